@@ -1,0 +1,41 @@
+# slidepipe: `make help` lists the targets. Python 3.11 or newer, git and make are all that a machine needs.
+PYTHON ?= $(shell command -v python3.11 || command -v python3)
+VENV   := .venv
+BIN    := $(VENV)/bin
+STAMP  := $(VENV)/.installed
+DEV    := $(VENV)/.installed-dev
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test check recorded clean
+
+help:  ## list the targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+
+$(BIN)/python:
+	$(PYTHON) -m venv $(VENV)
+
+$(STAMP): pyproject.toml | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	@touch $@
+
+$(DEV): pyproject.toml | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	@touch $@ $(STAMP)
+
+demo: $(STAMP)  ## install, then plan, execute, estimate and iterate a regrasp on the simulated lab
+	$(BIN)/slidepipe run experiments/regrasp.yaml
+
+test: $(DEV)  ## install, then run the tests
+	$(BIN)/python -m pytest
+
+check: $(DEV)  ## lint, types and layers
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+recorded: $(STAMP)  ## record the trials under data/recorded again
+	$(BIN)/python data/recorded/make.py
+
+clean:  ## remove the environment and everything that tools wrote (not the runs)
+	rm -rf $(VENV) .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache build *.egg-info

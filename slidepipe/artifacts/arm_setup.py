@@ -1,0 +1,45 @@
+"""The arm's part of the experiment file."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from slidepipe.artifacts.schema import Record
+from slidepipe.artifacts.values import NotNegative, Positive
+
+Joints = Annotated[tuple[float, ...], Field(min_length=7, max_length=7)]
+"""One number for each joint."""
+PositiveJoints = Annotated[tuple[Positive, ...], Field(min_length=7, max_length=7)]
+
+
+class PlaneSetup(Record):
+    """The vertical plane of motion {w} in the arm's base frame."""
+
+    origin_m: tuple[float, float, float]
+    heading_rad: float
+
+
+class ToolSetup(Record):
+    """From the flange to the contact point along the wrist axis, and the turn of {f} about it."""
+
+    length_m: NotNegative
+    angle_rad: float
+
+
+class ArmLimits(Record):
+    """What a motion may ask of the arm."""
+
+    joint_speed_rad_s: PositiveJoints
+    joint_torque_n_m: PositiveJoints
+    tip_speed_m_s: Positive
+    elbow_speed_m_s: Positive
+
+
+class ArmSetup(Record):
+    """The arm, where the motion happens in its reach, and what it may do; the redundancy keeps near ``posture_rad``."""
+
+    model: Literal["wam7"]
+    plane: PlaneSetup
+    tool: ToolSetup
+    posture_rad: Joints
+    limits: ArmLimits

@@ -1,0 +1,233 @@
+"""A run in the making: it stays out of sight until one rename makes it a run."""
+
+import math
+import os
+import platform
+import re
+import shutil
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+from types import TracebackType
+
+from slidepipe.artifacts.manifest import ErrorNote, InputRef, Manifest, OutputRef, Result, RunState, Times
+from slidepipe.artifacts.provenance import code_state, environment, recipe_of, sha256_of
+from slidepipe.artifacts.run import MANIFEST, Run
+from slidepipe.artifacts.run_id import new_run_id
+from slidepipe.artifacts.schema import dump_model, parse
+from slidepipe.artifacts.strict_yaml import dump, loads
+from slidepipe.errors import InputError, StoreError
+
+STAGING = ".tmp-"
+_OWNER = ".owner.yaml"
+_PATCH = "diff.patch"
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Request:
+    """What a run is asked to do; its recipe is the hash of what decides the result."""
+
+    stage: str
+    stage_version: int
+    experiment: str
+    parameters: Mapping[str, object]
+    inputs: Sequence[InputRef] = ()
+    seed: int | None = None
+    command: Sequence[str] = ()
+
+    @property
+    def recipe(self) -> str:
+        """Hash over stage, version, parameters, inputs and seed."""
+        return recipe_of(
+            stage=self.stage,
+            stage_version=self.stage_version,
+            parameters=self.parameters,
+            inputs=self.inputs,
+            seed=self.seed,
+        )
+
+
+@dataclass(slots=True)
+class Draft:
+    """Where a run is put together; leaving the ``with`` block publishes it.
+
+    An :class:`~slidepipe.errors.InputError` leaves nothing behind. Any other error, Ctrl-C included, publishes what
+    there is, with its state and the error, and goes on.
+
+    Attributes
+    ----------
+    runs : Path
+        Directory of the store that holds the days.
+    request : Request
+    prepare : Callable[[], None]
+        Called just before the run is published.
+    state : RunState
+        Set it where the run ended otherwise than complete.
+    """
+
+    runs: Path
+    request: Request
+    prepare: Callable[[], None]
+    state: RunState = RunState.COMPLETE
+    begun: datetime = field(default_factory=lambda: datetime.now(UTC))
+    run_id: str = field(init=False)
+    recipe: str = field(init=False)
+    _roles: dict[str, str] = field(default_factory=dict)
+    _results: list[Result] = field(default_factory=list)
+    _made: list[Path] = field(default_factory=list)
+    _run: Run | None = None
+
+    def __post_init__(self) -> None:
+        self.run_id = new_run_id(self.begun)
+        self.recipe = self.request.recipe
+
+    @property
+    def final(self) -> Path:
+        """Directory that the run gets when it is published."""
+        return self.runs / f"{self.begun:%Y-%m-%d}" / self.run_id
+
+    @property
+    def staging(self) -> Path:
+        """Directory that it has until then."""
+        return self.final.with_name(STAGING + self.run_id)
+
+    @property
+    def run(self) -> Run:
+        """The published run."""
+        if self._run is None:
+            raise StoreError(f"run {self.run_id}: is not published yet")
+        return self._run
+
+    def path(self, name: str) -> Path:
+        """Where to write a file of the run."""
+        if not _NAME.fullmatch(name) or name in (MANIFEST, _PATCH):
+            raise StoreError(f"run {self.run_id}: {name!r} cannot be the name of a run's file")
+        return self.staging / name
+
+    def add(self, role: str, name: str) -> Path:
+        """Give a file of the run its role, and return where to write it."""
+        path = self.path(name)
+        if role in self._roles.values() or name in self._roles:
+            raise StoreError(f"run {self.run_id}: {role} and {name}: each role is for one file")
+        self._roles[name] = role
+        return path
+
+    def report(self, name: str, value: float, *, std: float | None = None, unit: str) -> None:
+        """Put a number into the manifest's summary; dimensionless numbers have the unit ``1``."""
+        if not math.isfinite(value) or not math.isfinite(std or 0.0):
+            raise StoreError(f"run {self.run_id}: result {name} must be finite, got {value} +- {std}")
+        self._results.append(Result(name=name, value=float(value), std=None if std is None else float(std), unit=unit))
+
+    def __enter__(self) -> "Draft":
+        self._make_staging()
+        owner = {"pid": os.getpid(), "host": platform.node(), "begun": _instant(self.begun)}
+        (self.staging / _OWNER).write_text(dump(owner), encoding="utf-8")
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if isinstance(error, InputError):
+            self.discard()
+            return
+        missing = self._missing() if error is None and self.state is RunState.COMPLETE else None
+        if missing:
+            missing_file = StoreError(f"run {self.run_id}: {missing} was announced and never written")
+            self._fail(missing_file)
+            raise missing_file
+        if error is None:
+            self._publish(None)
+        else:
+            self._fail(error)
+
+    def discard(self) -> None:
+        """Remove everything that the draft made."""
+        shutil.rmtree(self.staging, ignore_errors=True)
+        for directory in self._made:
+            try:
+                directory.rmdir()
+            except OSError:  # another run lives there by now
+                return
+
+    def _make_staging(self) -> None:
+        parents = [self.staging.parent, *self.staging.parent.parents]
+        self._made = [directory for directory in parents if not directory.exists()]
+        try:
+            self.staging.mkdir(parents=True)
+        except OSError as error:
+            raise StoreError(f"{self.staging}: cannot be made: {error.strerror}") from None
+
+    def _fail(self, error: BaseException) -> None:
+        self.state = RunState.FAILED if isinstance(error, Exception) else RunState.INTERRUPTED
+        self._publish(ErrorNote(type=type(error).__name__, message=str(error)))
+
+    def _publish(self, note: ErrorNote | None) -> None:
+        patch = code_state().patch
+        if patch:
+            (self.staging / _PATCH).write_bytes(patch)
+        text = dump_model(self._manifest(note))
+        manifest = parse(Manifest, loads(text, str(self.final / MANIFEST)))
+        self.prepare()
+        (self.staging / _OWNER).unlink()
+        for path in self._files():
+            _sync(path)
+        path = self.staging / MANIFEST
+        path.write_text(text, encoding="utf-8")
+        _sync(path)
+        _sync(self.staging)
+        self.staging.rename(self.final)
+        for directory in (self.final.parent, *(made.parent for made in self._made)):
+            _sync(directory)
+        self._run = Run(self.final, manifest)
+
+    def _manifest(self, note: ErrorNote | None) -> Manifest:
+        asked = self.request
+        return Manifest(
+            run=self.run_id,
+            stage=asked.stage,
+            stage_version=asked.stage_version,
+            experiment=asked.experiment,
+            state=self.state,
+            times=Times(started=_instant(self.begun), finished=_instant(datetime.now(UTC))),
+            recipe=self.recipe,
+            seed=asked.seed,
+            parameters=dict(asked.parameters),
+            inputs=tuple(asked.inputs),
+            outputs=tuple(self._outputs()),
+            results=tuple(self._results),
+            error=note,
+            code=code_state().code,
+            environment=environment(),
+            command=tuple(asked.command),
+        )
+
+    def _missing(self) -> str | None:
+        return next((name for name in self._roles if not (self.staging / name).is_file()), None)
+
+    def _files(self) -> list[Path]:
+        return sorted(path for path in self.staging.iterdir() if path.is_file() and path.name != _OWNER)
+
+    def _outputs(self) -> Iterator[OutputRef]:
+        """Files in the order in which they got their roles, then those that got none."""
+        files = {path.name: path for path in self._files()}
+        others = [name for name in files if name not in self._roles]
+        roles = self._roles | {name: f"other-{number}" for number, name in enumerate(others, start=1)}
+        for name, role in roles.items():
+            if name in files:
+                size = files[name].stat().st_size
+                yield OutputRef(role=role, file=name, sha256=sha256_of(files[name]), size=size)
+
+
+def _instant(when: datetime) -> str:
+    return f"{when:%Y-%m-%dT%H:%M:%S.%fZ}"
+
+
+def _sync(path: Path) -> None:
+    """Wait until a file or directory is on the disk."""
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

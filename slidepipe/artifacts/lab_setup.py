@@ -1,0 +1,54 @@
+"""The simulated world's part of the experiment file: what friction, tracking and cameras really are."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from slidepipe.artifacts.schema import Record
+from slidepipe.artifacts.values import Friction, NotNegative, Share
+
+
+class TrackerSetup(Record):
+    """How the arm follows: as a WAM does, or perfectly.
+
+    ``mass_error`` is the relative error of the masses in the feedforward; ``joint_friction_scale`` multiplies the arm's
+    own joint friction.
+    """
+
+    kind: Literal["wam", "perfect"] = "wam"
+    feedforward: bool = True
+    mass_error: Annotated[float, Field(gt=-1.0, le=1.0)] = 0.05
+    joint_friction_scale: NotNegative = 1.0
+
+
+class CameraSetup(Record):
+    """The motion capture: its noise (one standard deviation), its losses and its clock."""
+
+    rate_hz: Annotated[float, Field(gt=0.0, le=2000.0)] = 360.0
+    position_noise_m: NotNegative = 0.0003
+    angle_noise_rad: NotNegative = 0.003
+    dropout_share: Share = 0.02
+    gap_s: NotNegative = 0.0
+    clock_offset_s: float = 12.3
+    clock_drift_ppm: Annotated[float, Field(ge=-1e4, le=1e4)] = 20.0
+    latency_s: Annotated[float, Field(ge=0.0, le=10.0)] = 0.006
+    latency_jitter_s: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0004
+
+
+class ContactSetup(Record):
+    """How stiff the simulated contact is, and how finely time is cut."""
+
+    timestep_s: Annotated[float, Field(ge=1e-6, le=0.002)] = 5.0e-05
+    solref_s: Annotated[float, Field(gt=0.0, le=1.0)] = 0.0005
+    impratio: Annotated[float, Field(ge=1.0)] = 1000.0
+
+
+class LabSetup(Record):
+    """The simulated world."""
+
+    seed: Annotated[int, Field(ge=0, lt=2**63)]
+    friction: Friction
+    normal_force_per_finger_n: Annotated[float, Field(gt=0.0, le=1000.0)]
+    tracker: TrackerSetup = TrackerSetup()
+    cameras: CameraSetup = CameraSetup()
+    contact: ContactSetup = ContactSetup()

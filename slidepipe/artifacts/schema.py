@@ -1,0 +1,111 @@
+"""Artifacts as typed records: every one begins with ``schema: slidepipe.NAME/VERSION`` and is validated whole.
+
+A file of an older version is never rewritten. It is brought up in memory by pure functions, one for each version, which
+stand in :data:`UPCASTS`.
+"""
+
+import re
+from collections.abc import Callable, Iterator
+from typing import Any, ClassVar, TypeVar
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from slidepipe.artifacts.faults import Fault, fault_of, key_text
+from slidepipe.artifacts.strict_yaml import YamlDocument, dump
+from slidepipe.artifacts.wording import describe
+from slidepipe.errors import InputError, NewerSchemaError
+
+Data = dict[str, object]
+
+UPCASTS: dict[tuple[str, int], Callable[[Data], Data]] = {}
+"""For (schema name, version): the function that makes the next version's data of that version's data."""
+
+_HEADER = re.compile(r"(slidepipe\.[a-z_]+)/([1-9][0-9]{0,5})")
+
+
+class Record(BaseModel):
+    """Base of everything that stands in an artifact: immutable, exact about types, unknown keys refused.
+
+    A whole number may stand where a number is asked for; infinities and NaN may not.
+    """
+
+    model_config = ConfigDict(frozen=True, strict=True, extra="forbid", allow_inf_nan=False)
+
+
+class Artifact(Record):
+    """Base of a whole document.
+
+    Attributes
+    ----------
+    SCHEMA : str
+        Name of the schema, ``slidepipe.plan`` say.
+    VERSION : int
+        The version that this code writes.
+    """
+
+    SCHEMA: ClassVar[str]
+    VERSION: ClassVar[int] = 1
+
+    def faults(self) -> Iterator[Fault]:
+        """Find what is wrong between values that are each right by themselves."""
+        yield from ()
+
+
+AnyArtifact = TypeVar("AnyArtifact", bound=Artifact)
+
+
+def parse(model: type[AnyArtifact], document: YamlDocument) -> AnyArtifact:
+    """Validate a document.
+
+    Raises
+    ------
+    InputError
+        It is another schema, or breaks this one; one line for every fault.
+    NewerSchemaError
+        It was written by a newer slidepipe.
+    """
+    version = _version(model, document)
+    data = {key: value for key, value in document.data.items() if key != "schema"}
+    for old in range(version, model.VERSION):
+        data = UPCASTS[model.SCHEMA, old](data)
+    try:
+        artifact = model.model_validate(_frozen(data))
+    except ValidationError as error:
+        faults = [fault_of(detail, model) for detail in error.errors(include_url=False)]
+        raise _input_error(document, faults) from None
+    faults = list(artifact.faults())
+    if faults:
+        raise _input_error(document, faults)
+    return artifact
+
+
+def dump_model(artifact: Artifact) -> str:
+    """Document as YAML text, its schema first; :func:`parse` reads back an equal one."""
+    return dump({"schema": f"{artifact.SCHEMA}/{artifact.VERSION}", **artifact.model_dump()})
+
+
+def _version(model: type[Artifact], document: YamlDocument) -> int:
+    wanted = f"{model.SCHEMA}/{model.VERSION}"
+    if "schema" not in document.data:
+        raise InputError(f"{document.where(())}: schema: required key is missing, it must be {wanted}")
+    header, place = document.data["schema"], document.where(("schema",))
+    match = _HEADER.fullmatch(header) if isinstance(header, str) else None
+    if match is None or match[1] != model.SCHEMA:
+        raise InputError(f"{place}: schema: must be {wanted}, got {describe(header)}")
+    version = int(match[2])
+    if version > model.VERSION:
+        raise NewerSchemaError(f"{place}: schema: {header} was written by a newer slidepipe, this one reads {wanted}")
+    return version
+
+
+def _input_error(document: YamlDocument, faults: list[Fault]) -> InputError:
+    return InputError(*(f"{document.where(fault.place)}: {key_text(fault.path)}: {fault.message}" for fault in faults))
+
+
+def _frozen(value: object) -> Any:
+    """Copy of the data with tuples for lists, as immutable records hold them."""
+    if isinstance(value, dict):
+        return {key: _frozen(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return tuple(_frozen(item) for item in value)
+    return value

@@ -1,0 +1,15 @@
+"""How messages show values."""
+
+from collections.abc import Mapping, Sequence
+
+
+def describe(value: object) -> str:
+    """Value as a message shows it: numbers and text as they are, at most 60 characters."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, Mapping):
+        return "a mapping"
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return "a list"
+    text = str(value).lower() if isinstance(value, bool) else repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."

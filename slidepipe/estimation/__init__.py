@@ -1,0 +1,1 @@
+"""From what the cameras saw to clock, smoothed poses, slide, resting grasp and friction, each with its uncertainty."""

@@ -1,0 +1,146 @@
+"""Smoothed poses, velocities and accelerations with their variances: filterpy's Kalman filter and RTS smoother."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from slidepipe.estimation.likelihood import AxisModel, best_process_noise
+from slidepipe.estimation.poses import Track
+from slidepipe.series import BoolArray, FloatArray
+
+LINEAR_NOISE_FLOOR_M = 1e-6
+ANGULAR_NOISE_FLOOR_RAD = 1e-5
+
+
+@dataclass(frozen=True, slots=True)
+class SmoothedSeries:
+    """Planar motion of one thing at every camera frame, gaps bridged; ``(T, 3)`` each, ``[x, y, theta]``.
+
+    Attributes
+    ----------
+    pose, velocity, acceleration : (T, 3)
+        m and rad, per s, per s^2.
+    pose_sd, velocity_sd, acceleration_sd : (T, 3)
+        Their standard deviations.
+    noise : (3,)
+        Standard deviation of one measurement, m and rad, from the rest segments.
+    process_noise : (3,)
+        Spectral density of the jerk by maximum likelihood, m^2/s^5 and rad^2/s^5.
+    """
+
+    pose: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
+    pose_sd: FloatArray
+    velocity_sd: FloatArray
+    acceleration_sd: FloatArray
+    noise: FloatArray
+    process_noise: FloatArray
+
+
+def rest_noise(track: Track, at_rest: BoolArray) -> FloatArray:
+    """(3,) noise of one pose from the differences of neighbours at rest, m and rad.
+
+    Differences do not see a slow creep, and their median does not see a few gross outliers. Not below 1 um and 10 urad.
+    """
+    rows = np.flatnonzero(track.valid & at_rest)
+    together = np.diff(rows) == 1
+    steps = np.diff(track.pose[rows], axis=0)[together]
+    spread = np.median(np.abs(steps), axis=0) / 0.6745 / np.sqrt(2.0) if len(steps) else np.zeros(3)
+    return np.maximum(spread, [LINEAR_NOISE_FLOOR_M, LINEAR_NOISE_FLOOR_M, ANGULAR_NOISE_FLOOR_RAD])
+
+
+def smooth(time_s: FloatArray, track: Track, noise: FloatArray, lively: BoolArray) -> SmoothedSeries:
+    """Smooth the three axes of a track, each with its own process noise.
+
+    The process noise is the most likely one of the lively frames alone: a long rest would make it too small for them.
+
+    Parameters
+    ----------
+    time_s : (T,)
+        Stamps of all frames, also of those without a measurement.
+    track : Track
+        What was measured; the thing starts at rest.
+    noise : (3,)
+        Standard deviation of a measurement.
+    lively : (T,) bool
+        Frames in which the thing moves.
+    """
+    axes, densities = [], []
+    for axis in range(3):
+        value, model = track.pose[:, axis], _model(axis, float(noise[axis]))
+        density = best_process_noise(time_s, value, track.valid & lively, model)
+        axes.append(smooth_axis(time_s, value, track.valid, model, density))
+        densities.append(density)
+    state = np.stack([axis.state for axis in axes], axis=1)
+    sd = np.stack([axis.sd for axis in axes], axis=1)
+    return SmoothedSeries(
+        pose=state[..., 0],
+        velocity=state[..., 1],
+        acceleration=state[..., 2],
+        pose_sd=sd[..., 0],
+        velocity_sd=sd[..., 1],
+        acceleration_sd=sd[..., 2],
+        noise=np.asarray(noise),
+        process_noise=np.array(densities),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class SmoothedAxis:
+    """One axis: position, velocity and acceleration and their standard deviations, ``(T, 3)`` each."""
+
+    state: FloatArray
+    sd: FloatArray
+
+
+def smooth_axis(
+    time_s: FloatArray, value: FloatArray, valid: BoolArray, model: AxisModel, density: float
+) -> SmoothedAxis:
+    """Run filterpy's filter and its smoother method over one axis."""
+    from filterpy.kalman import KalmanFilter  # noqa: PLC0415 - importing filterpy takes a second
+
+    first = value[valid][0]
+    kf = KalmanFilter(dim_x=3, dim_z=1)
+    kf.P = np.diag([model.noise**2, model.speed**2, model.acceleration**2])
+    kf.H = np.array([[1.0, 0.0, 0.0]])
+    kf.R = np.array([[model.noise**2]])
+    steps = np.diff(time_s, prepend=time_s[:1])
+    F, Q = transition(steps), density * jerk_covariance(steps)
+    z = [np.array([[v - first]]) if seen else None for v, seen in zip(value, valid, strict=True)]
+    means, covariances, _, _ = kf.batch_filter(z, Fs=list(F), Qs=list(Q))
+    x, P, _, _ = kf.rts_smoother(means, covariances, Fs=list(F), Qs=list(Q))
+    state = x[:, :, 0]
+    state[:, 0] += first
+    variance = np.diagonal(P, axis1=1, axis2=2)
+    return SmoothedAxis(state, np.sqrt(np.maximum(variance, 0.0)))
+
+
+def transition(step_s: FloatArray) -> FloatArray:
+    """(T, 3, 3) transition of constant acceleration over each step.
+
+    Examples
+    --------
+    >>> transition(np.array([2.0]))[0]
+    array([[1., 2., 2.],
+           [0., 1., 2.],
+           [0., 0., 1.]])
+    """
+    F = np.tile(np.eye(3), (len(step_s), 1, 1))
+    F[:, 0, 1] = F[:, 1, 2] = step_s
+    F[:, 0, 2] = step_s**2 / 2.0
+    return F
+
+
+def jerk_covariance(step_s: FloatArray) -> FloatArray:
+    """(T, 3, 3) covariance that white jerk of unit density adds over each step (Van Loan's integral, closed form)."""
+    h = np.asarray(step_s, dtype=float)[:, None, None]
+    power = np.array([[5, 4, 3], [4, 3, 2], [3, 2, 1]])
+    divisor = np.array([[20.0, 8.0, 6.0], [8.0, 3.0, 2.0], [6.0, 2.0, 1.0]])
+    return np.asarray(h**power / divisor)
+
+
+def _model(axis: int, noise: float) -> AxisModel:
+    if axis < 2:
+        return AxisModel(noise, speed=0.1, acceleration=1.0, lowest=-3.0, highest=6.0)
+    return AxisModel(noise, speed=1.0, acceleration=10.0, lowest=-1.0, highest=8.0)

@@ -1,0 +1,173 @@
+"""The simulated lab in virtual time: an arm, a gripper and a block in MuJoCo, watched by simulated cameras."""
+
+from collections import deque
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline
+from scipy.spatial.transform import Rotation
+
+from slidepipe.lab.cameras import TICKS_PER_S, Cameras, CameraSettings
+from slidepipe.lab.controller import JointController, read_encoders
+from slidepipe.lab.protocols import TICK_S, ClockExchange, JointCommand, JointState, MocapFrame
+from slidepipe.lab.world import PRESCRIBED_INERTIA, World, WorldSettings
+from slidepipe.mechanics.planar import relative_pose
+from slidepipe.series import FloatArray, PoseSeries
+
+
+class Tracker(Enum):
+    """How the simulated arm follows its commands."""
+
+    PERFECT = "perfect"
+    """Exactly, one tick late."""
+    FEEDFORWARD = "feedforward"
+    """The vendor's joint control with inverse-dynamics feedforward."""
+    VENDOR = "vendor"
+    """The vendor's joint control alone."""
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """What really happened: poses at every exposure on the host's clock, and the relative pose (T, 3) in {b}."""
+
+    hand: PoseSeries
+    object: PoseSeries
+    r_f_b: FloatArray
+
+
+class SimulatedLab:
+    """An arm and cameras over one simulated world; implements ``Arm`` and ``MotionCapture``.
+
+    Parameters
+    ----------
+    settings : WorldSettings
+    tracker : Tracker
+    cameras : CameraSettings
+    joints_rad : (7,)
+        Where the arm rests.
+    r_f_b : (3,)
+        Where the finger holds the block, in {b}.
+    seed : int
+    """
+
+    def __init__(
+        self,
+        settings: WorldSettings,
+        tracker: Tracker,
+        cameras: CameraSettings,
+        joints_rad: FloatArray,
+        r_f_b: FloatArray,
+        *,
+        seed: int,
+    ) -> None:
+        self._world = World(settings, joints_rad, r_f_b)
+        self._controller = JointController(settings.tool, feedforward=tracker is Tracker.FEEDFORWARD)
+        self._prescribed = tracker is Tracker.PERFECT
+        self._target = (np.array(joints_rad, dtype=float), np.zeros_like(joints_rad))
+        self._cameras = Cameras(cameras, settings.plane.origin_m, np.random.default_rng(seed))
+        self._timestep_s = settings.contact.timestep_s
+        self._steps_per_tick = round(TICK_S / self._timestep_s)
+        self._frame_period_s = 1.0 / cameras.rate_hz
+        self._steps = 0
+        self._frames: deque[MocapFrame] = deque()
+        self._exposures: list[_Exposure] = []
+
+    @property
+    def ticks_per_s(self) -> float:
+        """Rate of the cameras' clock."""
+        return TICKS_PER_S
+
+    def exchange(self, command: JointCommand) -> JointState:
+        """Advance the world by one tick under a command; returns what was measured when the tick began."""
+        measured = read_encoders(self._world.joints_rad)
+        torque = self._controller.torque(command, measured)
+        state = JointState(self._now_ns(), measured, self._controller.velocity_rad_s.copy(), torque.copy())
+        if self._prescribed:
+            self._follow(command)
+        else:
+            self._world.torque[:] = torque
+            self._advance(self._steps_per_tick)
+        return state
+
+    def take(self) -> list[MocapFrame]:
+        """Frames that have arrived by now."""
+        arrived = []
+        while self._frames and self._frames[0].received_ns <= self._now_ns():
+            arrived.append(self._frames.popleft())
+        return arrived
+
+    def echo(self) -> ClockExchange:
+        """Ask the cameras for their clock."""
+        return self._cameras.echo(self._world.time_s)
+
+    def truth(self) -> Truth:
+        """What no camera saw."""
+        hand = _series(self._exposures, [e.hand for e in self._exposures])
+        block = _series(self._exposures, [e.block for e in self._exposures])
+        plane = self._world.settings.plane
+        q_f = np.array([plane.project(*e.hand) for e in self._exposures])
+        q_o = np.array([plane.project(*e.block) for e in self._exposures])
+        r_f_b = relative_pose(q_o, q_f)
+        return Truth(hand, block, np.column_stack([r_f_b[:, :2], np.unwrap(r_f_b[:, 2])]))
+
+    def _now_ns(self) -> int:
+        return round(1e9 * self._steps * self._timestep_s)
+
+    def _follow(self, command: JointCommand) -> None:
+        """Move the prescribed arm from the last command to this one on a cubic, step by step."""
+        times = np.arange(self._steps_per_tick + 1) / self._steps_per_tick
+        last, target = self._target, (command.position_rad, command.velocity_rad_s)
+        positions, speeds = _cubic(times, last, target)
+        for step in range(self._steps_per_tick):
+            self._world.joints_rad[:] = positions[step]
+            self._world.joint_speeds_rad_s[:] = speeds[step]
+            self._world.torque[:] = PRESCRIBED_INERTIA * (speeds[step + 1] - speeds[step]) / self._timestep_s
+            self._advance(1)
+        self._target = target
+
+    def _advance(self, count: int) -> None:
+        """Step the world, stopping for every exposure on the way."""
+        end = self._steps + count
+        while (due := round(len(self._exposures) * self._frame_period_s / self._timestep_s)) <= end:
+            self._step_to(due)
+            self._expose()
+        self._step_to(end)
+
+    def _step_to(self, step: int) -> None:
+        if step > self._steps:
+            self._world.step(step - self._steps)
+        self._steps = step
+
+    def _expose(self) -> None:
+        exposure = _Exposure(self._steps * self._timestep_s, self._world.hand(), self._world.block())
+        frame = self._cameras.expose(len(self._exposures), exposure.time_s, exposure.hand, exposure.block)
+        self._exposures.append(exposure)
+        self._frames.append(frame)
+
+
+@dataclass(frozen=True, slots=True)
+class _Exposure:
+    """True poses at one instant: each a position (3,) and a rotation matrix (3, 3) in the base frame."""
+
+    time_s: float
+    hand: tuple[FloatArray, FloatArray]
+    block: tuple[FloatArray, FloatArray]
+
+
+def _series(exposures: list[_Exposure], poses: list[tuple[FloatArray, FloatArray]]) -> PoseSeries:
+    matrices = np.array([matrix for _, matrix in poses])
+    return PoseSeries(
+        stamp_ns=np.array([round(1e9 * exposure.time_s) for exposure in exposures], dtype=np.int64),
+        position_m=np.array([position for position, _ in poses]),
+        quaternion_xyzw=Rotation.from_matrix(matrices).as_quat(canonical=True),
+        sequence=np.arange(len(exposures), dtype=np.int64),
+    )
+
+
+def _cubic(
+    share: FloatArray, start: tuple[FloatArray, FloatArray], end: tuple[FloatArray, FloatArray]
+) -> tuple[FloatArray, FloatArray]:
+    """Positions and speeds (K, 7) at shares (K,) of a tick between two joint states."""
+    spline = CubicHermiteSpline([0.0, TICK_S], np.array([start[0], end[0]]), np.array([start[1], end[1]]))
+    return spline(share * TICK_S), spline(share * TICK_S, 1)

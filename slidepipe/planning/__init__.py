@@ -1,0 +1,1 @@
+"""Choosing a motion: the three-phase planner, its margins, and the limits that name themselves."""
