@@ -67,7 +67,7 @@ PEAK_TORQUE = (77.3, 160.6, 95.6, 29.4, 11.6, 11.6, 2.7)
 """Published peak torques, N m."""
 
 ROTOR_INERTIA = (0.14, 0.065, 0.065, 0.027, 0.006, 0.006, 0.0008)
-"""Chosen, not published: rotor inertia seen at the joint, kg m^2 (some 8e-5 kg m^2 times the square of the gear ratio)."""
+"""Chosen, not published: rotor inertia seen at the joint, kg m^2 (some 8e-5 times the gear ratio squared)."""
 COULOMB_FRICTION = (0.8, 1.2, 0.6, 0.5, 0.1, 0.1, 0.03)
 """Chosen, not published: dry friction at the joint, N m."""
 VISCOUS_FRICTION = (0.6, 0.6, 0.3, 0.2, 0.02, 0.02, 0.005)

@@ -44,4 +44,5 @@ class CampaignDocument(Artifact):
     experiment: Slug
     rows: tuple[CampaignRow, ...]
     converged: bool
+    stopped_because: str | None
     pictures: tuple[str, ...]

@@ -62,8 +62,9 @@ class EstimateDocument(Artifact):
     trial: RunId
     clock: ClockFit
     frames_used: Count
-    initial_relative_pose: UncertainPose
-    final_relative_pose: UncertainPose
+    initial_relative_pose: UncertainPose | None
+    final_relative_pose: UncertainPose | None
+    lost: str | None
     slide: SlideFound | None
     friction: FrictionEstimate | None
     friction_missing_because: str | None
@@ -71,6 +72,8 @@ class EstimateDocument(Artifact):
     series_file: str
 
     def faults(self) -> Iterator[Fault]:
-        """Friction without value and without reason, or with both."""
+        """Friction or a final pose without value and without reason, or with both."""
         if (self.friction is None) == (self.friction_missing_because is None):
             yield Fault(("friction",), "must have either a value or, in friction_missing_because, a reason")
+        if (self.final_relative_pose is None) == (self.lost is None):
+            yield Fault(("final_relative_pose",), "must have either a value or, in lost, a reason")

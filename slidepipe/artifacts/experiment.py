@@ -19,10 +19,10 @@ Duration = Annotated[float, Field(gt=0.0, le=60.0)]
 
 
 class ObjectBlock(Record):
-    """The block: its length along the body's x, its width along y, its thickness along the plane's normal."""
+    """The block: its sides along the body's x and y, and its thickness along the plane's normal."""
 
-    length_m: Length
-    width_m: Length
+    size_x_m: Length
+    size_y_m: Length
     thickness_m: Length
     mass_kg: Annotated[float, Field(gt=0.0, le=50.0)]
 
@@ -128,8 +128,8 @@ class Experiment(Artifact):
         """Contact points beside the object, and a goal that asks for nothing."""
         for name in ("start", "goal"):
             pose = getattr(self, name).relative_pose
-            yield from self._beside(name, "x_m", pose.x_m, "length_m")
-            yield from self._beside(name, "y_m", pose.y_m, "width_m")
+            yield from self._beside(name, "x_m", pose.x_m, "size_x_m")
+            yield from self._beside(name, "y_m", pose.y_m, "size_y_m")
         if self.start.relative_pose == self.goal.relative_pose:
             yield Fault(("goal", "relative_pose"), "must differ from start.relative_pose: there is nothing to slide")
 

@@ -6,7 +6,7 @@ from difflib import get_close_matches
 from types import UnionType
 from typing import TYPE_CHECKING, Any, get_args, get_origin
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ValidationError
 
 from slidepipe.artifacts.strict_yaml import KeyPath
 from slidepipe.artifacts.wording import describe
@@ -50,8 +50,18 @@ def key_text(path: KeyPath) -> str:
     return text.removeprefix(".")
 
 
-def fault_of(error: "ErrorDetails", model: type[BaseModel]) -> Fault:
-    """Say in our words what one of pydantic's errors about ``model`` says."""
+def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
+    """Say in our words what pydantic found wrong with the data of a ``model``."""
+    details = error.errors(include_url=False)
+    return [_fault_of(detail, model) for detail in details if not _is_echo(detail)]
+
+
+def _is_echo(error: "ErrorDetails") -> bool:
+    """Whether a list is called too short only because an entry of it is wrong."""
+    return error["type"] == "too_short" and len(error["input"]) >= error["ctx"]["min_length"]
+
+
+def _fault_of(error: "ErrorDetails", model: type[BaseModel]) -> Fault:
     path, kind = error["loc"], error["type"]
     if kind == "missing" and isinstance(path[-1], int):
         return Fault(path[:-1], f"must have {_tuple_length(path, model)} entries, got {len(error['input'])}")
@@ -111,7 +121,7 @@ def _model_at(model: type[BaseModel], path: KeyPath) -> type[BaseModel]:
 
 
 def _tuple_length(path: KeyPath, model: type[BaseModel]) -> int:
-    """Number of entries that the list at the key before the path's last one has in ``model``."""
+    """Count the entries that the list at the key before the path's last one has in ``model``."""
 
     def length(annotation: object) -> int:
         if get_origin(annotation) is tuple:

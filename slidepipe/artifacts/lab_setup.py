@@ -11,8 +11,8 @@ from slidepipe.artifacts.values import Friction, NotNegative, Share
 class TrackerSetup(Record):
     """How the arm follows: as a WAM does, or perfectly.
 
-    ``mass_error`` is the relative error of the masses in the feedforward; ``joint_friction_scale`` multiplies the arm's
-    own joint friction.
+    ``mass_error`` is by how much the real links are heavier than the feedforward believes; ``joint_friction_scale``
+    multiplies the joint friction that it believes.
     """
 
     kind: Literal["wam", "perfect"] = "wam"
@@ -28,7 +28,6 @@ class CameraSetup(Record):
     position_noise_m: NotNegative = 0.0003
     angle_noise_rad: NotNegative = 0.003
     dropout_share: Share = 0.02
-    gap_s: NotNegative = 0.0
     clock_offset_s: float = 12.3
     clock_drift_ppm: Annotated[float, Field(ge=-1e4, le=1e4)] = 20.0
     latency_s: Annotated[float, Field(ge=0.0, le=10.0)] = 0.006
@@ -39,7 +38,7 @@ class ContactSetup(Record):
     """How stiff the simulated contact is, and how finely time is cut."""
 
     timestep_s: Annotated[float, Field(ge=1e-6, le=0.002)] = 5.0e-05
-    solref_s: Annotated[float, Field(gt=0.0, le=1.0)] = 0.0005
+    solref_s: Annotated[float, Field(gt=0.0, le=1.0)] = 0.0002
     impratio: Annotated[float, Field(ge=1.0)] = 1000.0
 
 

@@ -115,7 +115,7 @@ class Manifest(Artifact):
     command: tuple[str, ...]
 
     def faults(self) -> Iterator[Fault]:
-        """Outputs that are not plain files of the run, and roles given twice."""
+        """Find outputs that are not plain files of the run, and roles given twice."""
         seen: set[str] = set()
         for index, output in enumerate(self.outputs):
             if output.file != PurePosixPath(output.file).name or output.file.startswith("."):

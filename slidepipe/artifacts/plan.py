@@ -9,9 +9,10 @@ from slidepipe.artifacts.values import Friction, NotNegative, Planar, Pose, Posi
 
 
 class Belief(Record):
-    """What the planner took for true: mu, mu f_N / m, and c a."""
+    """What the planner took for true: mu, mu f_N / m, and c a; ``friction_std`` is null where nobody has measured it."""
 
     friction: Friction
+    friction_std: NotNegative | None
     kappa_m_s2: Positive
     rho_m: Positive
 
@@ -65,5 +66,4 @@ class PlanDocument(Artifact):
     slide: Slide
     margins: tuple[LimitCheck, ...]
     limits: tuple[LimitCheck, ...]
-    feasible: bool
     reference_file: str

@@ -22,7 +22,7 @@ _TRACKED = ("slidepipe", "pyproject.toml")
 
 @dataclass(frozen=True, slots=True)
 class CodeState:
-    """The code that runs: what the manifest says of it, and the changes since its commit (empty where there are none)."""
+    """The code that runs: what the manifest says of it, and its changes since the commit, if any."""
 
     code: Code
     patch: bytes
@@ -44,7 +44,7 @@ def recipe_of(
     Examples
     --------
     >>> recipe_of(stage="plan", stage_version=1, parameters={"a": 1.0}, inputs=[], seed=None)[:12]
-    '0d61ba9a3ea0'
+    '30d39173caf0'
     """
     content = {
         "stage": stage,
@@ -105,7 +105,7 @@ def _version(name: str) -> str:
 
 
 def _changes(root: Path) -> bytes:
-    """Changes since the commit as one patch, new files included."""
+    """Collect the changes since the commit as one patch, new files included."""
     patch = _git(root, "diff", "--binary", "HEAD", "--", *_TRACKED)
     new = _git(root, "ls-files", "-z", "--others", "--exclude-standard", "--", *_TRACKED)
     for name in filter(None, os.fsdecode(new).split("\0")):

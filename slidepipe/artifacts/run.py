@@ -71,7 +71,7 @@ def read_run(directory: Path) -> Run:
 
 
 def outside_input(role: str, path: Path) -> InputRef:
-    """Reference to a file that is not in the store, such as an experiment file."""
+    """Make a reference to a file that is not in the store, such as an experiment file."""
     return InputRef(role=role, sha256=sha256_of(path), size=path.stat().st_size, run=None, file=str(path))
 
 

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from slidepipe.artifacts.faults import Fault, fault_of, key_text
+from slidepipe.artifacts.faults import Fault, faults_of, key_text
 from slidepipe.artifacts.strict_yaml import YamlDocument, dump
 from slidepipe.artifacts.wording import describe
 from slidepipe.errors import InputError, NewerSchemaError
@@ -71,8 +71,7 @@ def parse(model: type[AnyArtifact], document: YamlDocument) -> AnyArtifact:
     try:
         artifact = model.model_validate(_frozen(data))
     except ValidationError as error:
-        faults = [fault_of(detail, model) for detail in error.errors(include_url=False)]
-        raise _input_error(document, faults) from None
+        raise _input_error(document, faults_of(error, model)) from None
     faults = list(artifact.faults())
     if faults:
         raise _input_error(document, faults)

@@ -58,7 +58,7 @@ class Store:
         except InputError as error:
             raise StoreError(error.lines[0]) from None
 
-    def draft(  # noqa: PLR0913  # one keyword for each part of a request
+    def draft(
         self,
         *,
         stage: str,
@@ -93,7 +93,7 @@ class Store:
         return Survey(tuple(sorted(runs, key=lambda run: (run.manifest.times.finished, run.id))), tuple(faults))
 
     def runs(self, *, experiment: str | None = None, stage: str | None = None) -> list[Run]:
-        """Runs in the order in which they were finished.
+        """List the runs in the order in which they were finished.
 
         Raises
         ------

@@ -64,7 +64,7 @@ class YamlDocument:
         return _line_column(marks[-1] if marks else None)
 
     def _marks(self, path: KeyPath) -> list[Any]:
-        """Marks of the keys along the path, as far as they are in the file."""
+        """Find the marks of the keys along the path, as far as they are in the file."""
         node, marks = yaml.compose(self.text, StrictLoader), []
         for key in path:
             found = _child(node, key)

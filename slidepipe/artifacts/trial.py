@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from slidepipe.artifacts.schema import Artifact, Record
-from slidepipe.artifacts.values import Count, Friction, NotNegative, Pose, Positive, RunId, Share, Stamp
+from slidepipe.artifacts.values import Count, Friction, NotNegative, Pose, Positive, RunId, Stamp
 
 Outcome = Literal["held", "lost"]
 
@@ -40,7 +40,6 @@ class TrialDocument(Artifact):
     started_ns: Stamp
     finished_ns: Stamp
     frames: FrameCounts
-    dropout_share: Share
     tracking_error: TrackingError | None
     recording_file: str
 

@@ -72,7 +72,8 @@ def fit_clock(sync: ClockSync) -> ClockFit:
     Raises
     ------
     InputError
-        Exchanges that contradict themselves: lengths that differ, a clock that goes back, an answer before the question.
+        Exchanges that contradict themselves: lengths that differ, a clock that goes back, an answer before its
+        question.
     EstimationError
         Too few exchanges.
     """
@@ -83,7 +84,7 @@ def fit_clock(sync: ClockSync) -> ClockFit:
     reference_ticks, reference_ns = int(np.median(sync.ticks[kept])), int(np.median(middle))
     since_ns = (sync.ticks[kept] - reference_ticks) * (1e9 / sync.ticks_per_s)
     late_ns = (middle - reference_ns).astype(float) - since_ns
-    line = _line(since_ns, late_ns, trip[kept].astype(float))
+    line = _line(np.asarray(since_ns, dtype=np.float64), late_ns, trip[kept].astype(np.float64))
     return ClockFit(
         ticks_per_s=sync.ticks_per_s,
         reference_ticks=reference_ticks,

@@ -100,9 +100,10 @@ def align(
 
 
 def without_spikes(track: Track) -> Track:
-    """Leave out poses far from the median of the seven valid ones around them: 5 mm or 0.1 rad.
+    """Leave out poses far from the median of the seven valid ones around them: 5 mm or 0.1 rad and 1.5 usual steps.
 
-    A median follows any steady motion exactly, and 40 m/s^2 at 360 Hz bends a path by 1.4 mm over seven frames.
+    A median follows any steady motion exactly, 40 m/s^2 at 360 Hz bends a path by 1.4 mm over seven frames, and a
+    spike nearby moves the median by one step.
     """
     rows = np.flatnonzero(track.valid)
     if len(rows) < NEIGHBOURS:
@@ -110,7 +111,9 @@ def without_spikes(track: Track) -> Track:
     half = NEIGHBOURS // 2
     padded = np.pad(track.pose[rows], ((half, half), (0, 0)), mode="reflect", reflect_type="odd")
     around = np.median(np.lib.stride_tricks.sliding_window_view(padded, NEIGHBOURS, axis=0), axis=-1)
-    far = np.any(np.abs(track.pose[rows] - around) > [SPIKE_M, SPIKE_M, SPIKE_RAD], axis=1)
+    steps = np.abs(np.diff(padded, axis=0))
+    usual = np.median(np.lib.stride_tricks.sliding_window_view(steps, NEIGHBOURS - 1, axis=0), axis=-1)
+    far = np.any(np.abs(track.pose[rows] - around) > [SPIKE_M, SPIKE_M, SPIKE_RAD] + 1.5 * usual, axis=1)
     valid = track.valid.copy()
     valid[rows[far]] = False
     return Track(np.where(valid[:, None], track.pose, 0.0), valid)

@@ -66,8 +66,9 @@ def find_rest(tracks: Tracks, segment: BoolArray, when: str) -> RestFinding:
     usable = tracks.relative.valid & segment
     if np.count_nonzero(usable) < FEWEST_FRAMES:
         return RestFinding(
-            None, f"hand and object were tracked together in {np.count_nonzero(usable)} frames {when}, "
-            f"at least {FEWEST_FRAMES} are needed"
+            None,
+            f"hand and object were tracked together in {np.count_nonzero(usable)} frames {when}, "
+            f"at least {FEWEST_FRAMES} are needed",
         )
     rest = rest_pose(tracks.time_s, tracks.relative, usable)
     reason = _gone(rest, when)

@@ -13,6 +13,7 @@ SHORTEST_TRAVEL_M = 0.0004
 TRAVEL_SIGMAS = 4.0
 BRIDGED_FRAMES = 3
 RAMP_FROM, RAMP_TO = 0.2, 0.6
+EARLIEST_S, LATEST_S = -0.02, 0.01
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +82,8 @@ def find_slide(time_s: FloatArray, relative: SmoothedSeries, rho_m: float, searc
         return SlideFinding(
             None, highest, f"no slide: the longest piece is {max(travels) * 1e3:.2f} mm, below {needed * 1e3:.2f} mm"
         )
-    return SlideFinding(_slide(time_s, speed, relative.velocity_sd @ scale, main, max(travels), len(pieces)), highest, None)
+    slide = _slide(_profile(time_s, relative, scale), main, max(travels), len(pieces))
+    return SlideFinding(slide, highest, None)
 
 
 def _runs(mask: BoolArray) -> list[IntArray]:
@@ -93,13 +95,31 @@ def _runs(mask: BoolArray) -> list[IntArray]:
     return [np.arange(piece[0], piece[-1] + 1) for piece in pieces]
 
 
-def _slide(
-    time_s: FloatArray, speed: FloatArray, speed_sd: FloatArray, rows: IntArray, travel: float, pieces: int
-) -> Slide:
+def _slide(profile: "_Profile", rows: IntArray, travel: float, pieces: int) -> Slide:
+    speed = profile.speed
     top = int(rows[np.argmax(speed[rows])])
-    rising, falling = rows[rows <= top], rows[rows >= top][::-1]
-    start, stop = _end(time_s, speed, speed_sd, rising), _end(time_s, speed, speed_sd, falling)
+    start, stop = _end(profile, rows[rows <= top]), _end(profile, rows[rows >= top][::-1])
     return Slide(start.time, stop.time, start.sd, stop.sd, float(speed[top]), travel, pieces)
+
+
+def _profile(time_s: FloatArray, relative: SmoothedSeries, scale: FloatArray) -> "_Profile":
+    """Speed over time; the smoother's width is that of the axis that carries most of the sliding."""
+    scaled = relative.velocity * scale
+    axis = int(np.argmax(np.sum(scaled**2, axis=0)))
+    frame = float(np.median(np.diff(time_s)))
+    width = (relative.noise[axis] ** 2 * frame / relative.process_noise[axis]) ** (1.0 / 6.0)
+    sd = np.max(relative.velocity_sd * scale, axis=1)
+    return _Profile(time_s, np.asarray(np.linalg.norm(scaled, axis=1)), sd, float(max(width, frame)))
+
+
+@dataclass(frozen=True, slots=True)
+class _Profile:
+    """Sliding speed and its sd, and the time over which the smoother rounds a corner off."""
+
+    time_s: FloatArray
+    speed: FloatArray
+    sd: FloatArray
+    width_s: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,18 +128,18 @@ class _End:
     sd: float
 
 
-def _end(time_s: FloatArray, speed: FloatArray, speed_sd: FloatArray, rows: IntArray) -> _End:
+def _end(profile: _Profile, rows: IntArray) -> _End:
     """Where the ramp of the speed extrapolates to zero; ``rows`` run from the end of the slide to its top."""
+    time_s, speed = profile.time_s, profile.speed
     peak, crossing = speed[rows[-1]], float(time_s[rows[0]])
+    rough = _End(crossing, profile.width_s)
     ramp = rows[(speed[rows] >= RAMP_FROM * peak) & (speed[rows] <= RAMP_TO * peak)]
-    frame = float(np.median(np.diff(time_s)))
     if len(ramp) < 3:
-        return _End(crossing, 3.0 * frame)
-    since = time_s[ramp] - crossing
-    slope, offset = np.polyfit(since, speed[ramp], 1)
-    inwards = np.sign(time_s[rows[-1]] - crossing)
+        return rough
+    slope, offset = (float(number) for number in np.polyfit(time_s[ramp] - crossing, speed[ramp], 1))
+    inwards = float(np.sign(time_s[rows[-1]] - crossing))
     if slope * inwards <= 0.0:
-        return _End(crossing, 3.0 * frame)
-    shift = float(np.clip(-offset / slope * inwards, -0.02, 0.01)) * inwards
-    blur = float(speed_sd[ramp].mean() / abs(slope))
-    return _End(crossing + shift, float(np.hypot(blur, frame / np.sqrt(12.0))))
+        return rough
+    shift = float(np.clip(-offset / slope * inwards, EARLIEST_S, LATEST_S)) * inwards
+    noise = float(np.mean(profile.sd[ramp])) / abs(slope)
+    return _End(crossing + shift, float(np.hypot(noise, profile.width_s / 2.0)))

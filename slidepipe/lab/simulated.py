@@ -48,7 +48,8 @@ class SimulatedLab:
         Where the arm rests.
     r_f_b : (3,)
         Where the finger holds the block, in {b}.
-    seed : int
+    random : numpy.random.Generator
+        Where the cameras' noise comes from.
     """
 
     def __init__(
@@ -59,13 +60,13 @@ class SimulatedLab:
         joints_rad: FloatArray,
         r_f_b: FloatArray,
         *,
-        seed: int,
+        random: np.random.Generator,
     ) -> None:
         self._world = World(settings, joints_rad, r_f_b)
         self._controller = JointController(settings.tool, feedforward=tracker is Tracker.FEEDFORWARD)
         self._prescribed = tracker is Tracker.PERFECT
         self._target = (np.array(joints_rad, dtype=float), np.zeros_like(joints_rad))
-        self._cameras = Cameras(cameras, settings.plane.origin_m, np.random.default_rng(seed))
+        self._cameras = Cameras(cameras, settings.plane.origin_m, random)
         self._timestep_s = settings.contact.timestep_s
         self._steps_per_tick = round(TICK_S / self._timestep_s)
         self._frame_period_s = 1.0 / cameras.rate_hz

@@ -89,7 +89,13 @@ def sliding_acceleration(
 
 
 def finger_acceleration(
-    theta: FloatArray, omega: FloatArray, ddq_o: FloatArray, r_f_b: FloatArray, dr_f_b: FloatArray, ddr_f_b: FloatArray
+    theta: FloatArray,
+    omega: FloatArray,
+    ddq_o: FloatArray,
+    *,
+    r_f_b: FloatArray,
+    dr_f_b: FloatArray,
+    ddr_f_b: FloatArray,
 ) -> FloatArray:
     """Acceleration of the finger in {w} that goes with a relative motion: the derivatives of eq. (22) in eq. (19).
 

@@ -33,7 +33,10 @@ class Setup:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """A motion with its joint trajectory, sampled every :data:`TICK_S`, and how it stands to each limit."""
+    """A motion with its joint trajectory, sampled every :data:`TICK_S`.
+
+    ``margins`` say how it stands to the grip, the object's face and the workspace, ``limits`` to those of the arm.
+    """
 
     regrasp: Regrasp
     dq_o_slide: FloatArray
@@ -42,7 +45,8 @@ class Plan:
     motion: Motion
     joints: JointPath
     load: ArmLoad
-    checks: tuple[Check, ...]
+    margins: tuple[Check, ...]
+    limits: tuple[Check, ...]
 
 
 def plan(regrasp: Regrasp, setup: Setup) -> Plan:
@@ -53,11 +57,11 @@ def plan(regrasp: Regrasp, setup: Setup) -> Plan:
     InfeasibleError
         Where a limit is broken: one line for each, with its value, its bound and the time.
     """
-    motion, sampled, checks = _plan_grasp(regrasp, setup)
-    _refuse(checks)
+    motion, sampled, margins = _plan_grasp(regrasp, setup)
+    _refuse(margins)
     joints, load = _plan_arm(sampled, regrasp, setup)
-    checks += check_arm(joints, load, setup.limits)
-    _refuse(checks)
+    limits = check_arm(joints, load, setup.limits)
+    _refuse(limits)
     return Plan(
         regrasp=regrasp,
         dq_o_slide=motion.dq_o_slide,
@@ -66,13 +70,16 @@ def plan(regrasp: Regrasp, setup: Setup) -> Plan:
         motion=sampled,
         joints=joints,
         load=load,
-        checks=tuple(checks),
+        margins=tuple(margins),
+        limits=tuple(limits),
     )
 
 
-def grasp_is_feasible(regrasp: Regrasp, setup: Setup) -> bool:
-    """Whether a regrasp sticks where it should, stays on the object and in the workspace; the arm is not asked."""
-    return all(check.satisfied for check in _plan_grasp(regrasp, setup)[2])
+def stick_load(regrasp: Regrasp, setup: Setup) -> float:
+    """Largest share of the friction that a regrasp needs in its sticking phases; the arm is not asked."""
+    sampled = _plan_grasp(regrasp, setup)[1]
+    sliding = (sampled.time_s >= regrasp.boundaries[1]) & (sampled.time_s < regrasp.boundaries[3])
+    return float(np.max(sampled.load[~sliding]))
 
 
 def _plan_grasp(regrasp: Regrasp, setup: Setup) -> tuple[ThreePhaseMotion, Motion, list[Check]]:

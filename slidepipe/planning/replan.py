@@ -1,20 +1,26 @@
-"""The next regrasp from what the last one left, in the manner of Theorem 1.
+"""The next plan from what the last trial left, in the manner of Theorem 1.
 
 The remaining error becomes the new goal. Equation (4) keeps the accelerations and shortens every phase with the square
-root of the distance, and so does this: a smaller correction is as strong against wrong friction as the first motion.
-Where the shortened sticking phases would ask for more friction than there is, they are lengthened.
+root of the distance, and so does this: a smaller correction is then as strong against wrong friction as the first
+motion was. The two sticking phases are made equally long, which halves the speed that the slide asks of them, and are
+lengthened until the grip holds with a margin; where the arm cannot follow so short a slide, the slide is lengthened.
 """
+
+from collections.abc import Iterator
 
 import numpy as np
 
 from slidepipe.errors import InfeasibleError
-from slidepipe.planning.planner import TICK_S, Setup, grasp_is_feasible
+from slidepipe.planning.planner import TICK_S, Plan, Setup, plan, stick_load
 from slidepipe.planning.three_phase import Regrasp
 from slidepipe.series import FloatArray
 
 SHORTEST_SLIDE_S = 0.02
 """Ten ticks: the arm does not follow a shorter slide."""
-STRETCHES = tuple(1.25**power for power in range(13))
+SLIDE_STRETCHES = (1.0, 1.25, 1.6, 2.0)
+STICK_TO_SLIDE = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0)
+SAFE_LOAD = 0.85
+"""Share of the friction that a correction may use while it sticks, if there is one that needs no more."""
 
 
 def slide_distance(r_from: FloatArray, r_to: FloatArray, rho: float) -> float:
@@ -29,44 +35,48 @@ def slide_distance(r_from: FloatArray, r_to: FloatArray, rho: float) -> float:
     return float(np.linalg.norm(step))
 
 
-def next_regrasp(first: Regrasp, r_now: FloatArray, setup: Setup) -> Regrasp:
-    """Regrasp from where the last trial ended to the goal of the first.
+def replan(first: Regrasp, r_now: FloatArray, setup: Setup) -> Plan:
+    """Plan from where the last trial ended to the goal of the first.
 
     Parameters
     ----------
     first : Regrasp
-        The experiment's own motion, whose accelerations and goal are kept.
+        The experiment's own motion, whose accelerations, goal and resting places are kept.
     r_now : (3,)
         Relative pose of the finger in {b} after the last trial.
     setup : Setup
-        With the friction now believed.
+        With the friction that is now believed.
 
     Raises
     ------
     InfeasibleError
-        If no lengthening of the sticking phases keeps the grip.
+        If no choice of the phases' lengths keeps every limit: the limits that the gentlest one breaks.
     """
+    tasks = sorted(_candidates(first, r_now, setup), key=lambda task: stick_load(task, setup) > SAFE_LOAD)
+    refusals = []
+    for task in tasks:
+        try:
+            return plan(task, setup)
+        except InfeasibleError as refusal:
+            refusals.append(refusal)
+    raise min(refusals, key=lambda refusal: len(refusal.lines))
+
+
+def _candidates(first: Regrasp, r_now: FloatArray, setup: Setup) -> Iterator[Regrasp]:
     rho = setup.finger.a * setup.finger.c
     share = slide_distance(r_now, first.r_goal, rho) / slide_distance(first.r_start, first.r_goal, rho)
-    slide_s = max(SHORTEST_SLIDE_S, first.T23 * np.sqrt(share))
-    scale = slide_s / first.T23
-    for stretch in STRETCHES:
-        task = Regrasp(
-            q_o_start=first.q_o_start,
-            r_start=np.asarray(r_now, dtype=float),
-            r_goal=first.r_goal,
-            q_f_end=first.q_f_end,
-            T1=_on_ticks(first.T1 * scale * stretch, 1),
-            T23=_on_ticks(slide_s, 2),
-            T4=_on_ticks(first.T4 * scale * stretch, 1),
-        )
-        if grasp_is_feasible(task, setup):
-            return task
-    step = np.array2string(np.asarray(first.r_goal - r_now), precision=4)
-    raise InfeasibleError(
-        f"replan: no correction by {step} (m, m, rad) keeps the grip while it sticks, with phases of up to "
-        f"{task.T1:.2f} s and {task.T4:.2f} s"
-    )
+    for stretch in SLIDE_STRETCHES:
+        slide_s = max(SHORTEST_SLIDE_S, first.T23 * np.sqrt(share)) * stretch
+        for ratio in STICK_TO_SLIDE:
+            yield Regrasp(
+                q_o_start=first.q_o_start,
+                r_start=np.asarray(r_now, dtype=float),
+                r_goal=first.r_goal,
+                q_f_end=first.q_f_end,
+                T1=_on_ticks(ratio * slide_s, 1),
+                T23=_on_ticks(slide_s, 2),
+                T4=_on_ticks(ratio * slide_s, 1),
+            )
 
 
 def _on_ticks(duration_s: float, multiple: int) -> float:

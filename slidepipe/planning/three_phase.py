@@ -117,7 +117,7 @@ class ThreePhaseMotion:
             ddq_o=ddq_o,
             q_f=finger_pose(q_o, r_b),
             dq_f=finger_velocity(q_o[:, 2], dq_o, r_b, dr_b),
-            ddq_f=finger_acceleration(q_o[:, 2], dq_o[:, 2], ddq_o, r_b, dr_b, ddr_b),
+            ddq_f=finger_acceleration(q_o[:, 2], dq_o[:, 2], ddq_o, r_f_b=r_b, dr_f_b=dr_b, ddr_f_b=ddr_b),
             r_b=r_b,
             dr_b=dr_b,
             load=sticking_load(self.block, self.finger, q_o[:, 2], ddq_o, r_b),

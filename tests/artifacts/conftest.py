@@ -5,7 +5,7 @@ import pytest
 EXPERIMENT = """\
 schema: slidepipe.experiment/1
 name: paper_linear
-object: {length_m: 0.1, width_m: 0.06, thickness_m: 0.02, mass_kg: 0.023}
+object: {size_x_m: 0.1, size_y_m: 0.06, thickness_m: 0.02, mass_kg: 0.023}
 grasp: {finger_count: 2, normal_force_per_finger_n: 0.625, contact_radius_m: 0.0174, torsion_constant: 0.6}
 friction: 0.38
 start:

@@ -13,7 +13,7 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
 from slidepipe.estimation.request import EstimationRequest
-from slidepipe.mechanics.dynamics import Block, finger_acceleration, sliding_acceleration
+from slidepipe.mechanics.dynamics import Block, sliding_acceleration
 from slidepipe.mechanics.limit_surface import SoftFinger
 from slidepipe.mechanics.planar import MotionPlane, finger_pose
 from slidepipe.series import ClockSync, FrameSeries, MocapSeries, PoseSeries
@@ -22,6 +22,7 @@ BLOCK = Block(length=0.1, width=0.06, m=0.023)
 PLANE = MotionPlane(np.array([0.5, 0.1, 0.3]), 1.1)
 REST = 0.4
 GRAVITY = 9.81
+GRAVITY_VECTOR = np.array([0.0, -GRAVITY])
 
 
 @dataclass(frozen=True)
@@ -76,11 +77,9 @@ def planned_hand(case):
     T1, T23, T4 = case.times
     r0, r1 = np.array(case.r_start), np.array(case.r_goal)
     s = np.arange(0.0, T23 + 5e-5, 1e-4)
-    ddr = np.where((s < T23 / 2)[:, None], 1.0, -1.0) * 4 * (r1 - r0) / T23**2
     half = T23 / 2
     phase = np.where(s < half, 2 * s**2 / T23**2, 1 - 2 * (T23 - s) ** 2 / T23**2)
-    rate = np.where(s < half, 4 * s / T23**2, 4 * (T23 - s) / T23**2)
-    r, dr = r0 + phase[:, None] * (r1 - r0), rate[:, None] * (r1 - r0)
+    r = r0 + phase[:, None] * (r1 - r0)
     acc = sliding_acceleration(BLOCK, case.finger(), np.zeros(len(s)), r, np.tile(r1 - r0, (len(s), 1)))
     alpha = acc[:, 2]
     spin, turn = _integrals(s, alpha)
@@ -99,7 +98,6 @@ def planned_hand(case):
     q3 = q2[-1] + end_v * rest - end_v * rest**2 / (2 * T4)
     q_o = np.concatenate([q1, q2, q3])
     r_all = np.concatenate([np.tile(r0, (len(q1), 1)), r, np.tile(r1, (len(q3), 1))])
-    assert np.isfinite(finger_acceleration(theta, spin, acc, r, dr, ddr)).all()
     time = np.concatenate([before, T1 + s, T1 + after])
     return time, finger_pose(q_o, r_all)
 
@@ -175,7 +173,7 @@ class _Contact:
         d = self.hand(time)[:, :2] - q_o[:, :2]
         alpha = acc[:, 2]
         a_o = acc[:, :2] - alpha[:, None] * np.stack([-d[:, 1], d[:, 0]], 1) + (w**2)[:, None] * d
-        f = (a_o + [0, GRAVITY]) / self.kappa
+        f = (a_o - GRAVITY_VECTOR) / self.kappa
         moment = alpha / (self.per_inertia * self.kappa) - (d[:, 0] * f[:, 1] - d[:, 1] * f[:, 0])
         return np.concatenate([f, moment[:, None] / self.rho], 1)
 
@@ -202,8 +200,9 @@ class _Contact:
 
         stops.terminal, stops.direction = True, -1
         y0 = np.concatenate([q_o, v, [w]])
-        return solve_ivp(self.rate, (start, end), y0, "DOP853", events=stops, rtol=1e-8, atol=1e-9,
-                         max_step=2e-3, dense_output=True)
+        return solve_ivp(
+            self.rate, (start, end), y0, "DOP853", events=stops, rtol=1e-8, atol=1e-9, max_step=2e-3, dense_output=True
+        )
 
     def slip(self, t, y):
         """Sliding velocity in {w}, the spin times rho."""

@@ -1,0 +1,1 @@
+"""The command line: words around the stages, and nothing else."""

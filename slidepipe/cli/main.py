@@ -1,0 +1,95 @@
+"""The entry point: a group of verbs, each of which is loaded when it is asked for."""
+
+import os
+import sys
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import click
+
+from slidepipe import __version__
+from slidepipe.cli import render
+from slidepipe.cli.exits import ExitCode, exit_code
+from slidepipe.cli.session import Session
+from slidepipe.errors import SlidepipeError
+
+VERBS = ("plan", "execute", "estimate", "iterate", "run", "ls", "show")
+"""The commands in the order in which help shows them; each is ``slidepipe.cli.NAME``."""
+
+_COMMAND = "slidepipe.command"
+
+
+class Verbs(click.Group):
+    """Loads a verb when it is asked for, and turns errors into a line and an exit code."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002  # click's signature
+        """Names of the verbs."""
+        return list(VERBS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002  # click's signature
+        """Load a verb; None where there is none of this name."""
+        if cmd_name not in VERBS:
+            return None
+        command: click.Command = import_module(f"slidepipe.cli.{cmd_name}").command
+        return command
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Keep the command line as it was typed, for the manifests."""
+        ctx.meta[_COMMAND] = ("slidepipe", *args)
+        return super().parse_args(ctx, args)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the verb; an error that slidepipe raises on purpose is one line and a code, never a traceback."""
+        render.forgive_encoding()
+        try:
+            return _flushed(lambda: super(Verbs, self).invoke(ctx))
+        except SlidepipeError as error:
+            render.fail(error)
+            ctx.exit(exit_code(error))
+        except KeyboardInterrupt:
+            render.note("interrupted")
+            ctx.exit(ExitCode.INTERRUPTED)
+        except BrokenPipeError:
+            _hush()
+            ctx.exit(ExitCode.BROKEN_PIPE)
+
+
+@click.group(
+    cls=Verbs,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    epilog="A RUN is a run id, its beginning, @latest, @latest:STAGE, or the path of a run's directory.",
+)
+@click.option(
+    "--data",
+    type=click.Path(path_type=Path),
+    default=Path("data"),
+    show_default=True,
+    envvar="SLIDEPIPE_DATA",
+    show_envvar=True,
+    help="Directory of the run store.",
+)
+@click.version_option(__version__, prog_name="slidepipe", message="%(prog)s %(version)s")
+@click.pass_context
+def cli(ctx: click.Context, data: Path) -> None:
+    """Plan, execute, estimate and iterate a dynamic in-hand regrasp."""
+    ctx.obj = Session(data=data, command=ctx.meta[_COMMAND])
+
+
+def main() -> None:
+    """Run the command line."""
+    cli(prog_name="slidepipe")
+
+
+def _flushed(work: Callable[[], Any]) -> Any:
+    """Do it, and write stdout out: a reader that is gone is noticed here, not when Python ends."""
+    try:
+        return work()
+    finally:
+        sys.stdout.flush()
+
+
+def _hush() -> None:
+    """Nobody reads stdout any more: write nothing more to it, not even when Python ends."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -1,0 +1,58 @@
+"""What the verbs have in common: how their help reads, and the options that more than one of them takes."""
+
+from collections.abc import Callable, Mapping
+
+import click
+
+from slidepipe.cli.exits import MEANINGS, ExitCode
+
+Callback = Callable[..., None]
+
+ALWAYS = (ExitCode.OK, ExitCode.USAGE, ExitCode.INTERRUPTED)
+READS_STORE = (ExitCode.INPUT, ExitCode.NOT_FOUND, ExitCode.STORE)
+
+
+def verb(name: str, does: str, *, example: str, exits: Mapping[ExitCode, str]) -> Callable[[Callback], click.Command]:
+    """Make a command whose help says what it does, shows an example and names its exit codes.
+
+    Parameters
+    ----------
+    name, does, example : str
+        ``does`` is what it does, in one sentence, and after a blank line anything else worth knowing.
+    exits : Mapping[ExitCode, str]
+        What the codes mean that mean something special here, or that only this verb ends with.
+    """
+    meanings = {code: MEANINGS[code] for code in (*ALWAYS, *READS_STORE)} | dict(exits)
+    codes = "\n".join(f"  {code:<4d} {meanings[code]}" for code in sorted(meanings))
+    epilog = f"\b\nExample:\n  {example}\n\n\b\nExit codes:\n{codes}"
+    return click.command(name, help=does, short_help=does.partition("\n")[0], epilog=epilog)
+
+
+as_json: Callable[[Callback], Callback] = click.option(
+    "--json", "as_json", is_flag=True, help="Print one JSON object instead."
+)
+force: Callable[[Callback], Callback] = click.option(
+    "--force", is_flag=True, help="Compute it even where an equal run is there already."
+)
+friction: Callable[[Callback], Callback] = click.option(
+    "--friction",
+    type=click.Choice(["keep", "estimate"]),
+    help="Keep the believed friction, or take the estimated one.  [default: as the experiment says]",
+)
+all_limits: Callable[[Callback], Callback] = click.option(
+    "--all", "all_limits", is_flag=True, help="Show every limit, not only the nearest."
+)
+
+
+def overrides(example: str) -> Callable[[Callback], Callback]:
+    """Make the option that sets keys of the experiment."""
+    option: Callable[[Callback], Callback] = click.option(
+        "--set", "overrides", metavar="KEY=VALUE", multiple=True, help=f"Set a key of the experiment: {example}."
+    )
+    return option
+
+
+def run_argument(name: str) -> Callable[[Callback], Callback]:
+    """Make the argument that names a run."""
+    argument: Callable[[Callback], Callback] = click.argument(name, metavar=name.upper())
+    return argument

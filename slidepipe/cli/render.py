@@ -1,0 +1,77 @@
+"""The one place that prints: data on stdout, everything else on stderr."""
+
+import json
+import os
+import shutil
+import sys
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, TextIO
+
+from slidepipe.errors import SlidepipeError
+
+if TYPE_CHECKING:
+    from rich.console import Console, RenderableType
+
+WIDTH = 100
+"""Columns that every view fits, and that are used where the terminal has fewer or there is none."""
+
+
+def put(parts: Iterable["RenderableType"]) -> None:
+    """Print tables and lines of text on stdout; in colour on a terminal only, and not where NO_COLOR is set."""
+    console = _console(sys.stdout)
+    with console.capture() as printed:
+        for part in parts:
+            console.print(part, width=_width(console, part), soft_wrap=isinstance(part, str), crop=False)
+    for line in printed.get().splitlines():
+        sys.stdout.write(line.rstrip() + "\n")
+
+
+def put_json(schema: str, content: Mapping[str, object]) -> None:
+    """Print one JSON object on stdout, its schema first."""
+    sys.stdout.write(json.dumps({"schema": schema, **content}, indent=2, allow_nan=False) + "\n")
+
+
+def note(line: str) -> None:
+    """Print a message or a step of progress on stderr, on one plain line."""
+    sys.stderr.write(f"{line}\n")
+    sys.stderr.flush()
+
+
+def fail(error: SlidepipeError) -> None:
+    """Print what is wrong on stderr: one plain line for each fault, never wrapped."""
+    for line in str(error).splitlines() or [type(error).__name__]:
+        note(f"error: {line}")
+
+
+def forgive_encoding() -> None:
+    """Let characters that the terminal cannot show be replaced, where they would otherwise end the command."""
+    for stream, errors in ((sys.stdout, "replace"), (sys.stderr, "backslashreplace")):
+        reconfigure = getattr(stream, "reconfigure", None)
+        if reconfigure is not None:
+            reconfigure(errors=errors)
+
+
+def _width(console: "Console", part: "RenderableType") -> int | None:
+    """Width of a table whose cells cannot be wrapped: as wide as it is, so that no number is ever cut."""
+    from rich.table import Table  # noqa: PLC0415
+
+    if not isinstance(part, Table) or not all(column.no_wrap for column in part.columns):
+        return None
+    unlimited = console.options.update(width=10 * WIDTH)
+    return max(console.width, console.measure(part, options=unlimited).maximum)
+
+
+def _console(stream: TextIO) -> "Console":
+    from rich.console import Console  # noqa: PLC0415  # help must not wait for rich
+
+    terminal = stream.isatty()
+    coloured = terminal and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
+    return Console(
+        file=stream,
+        width=max(WIDTH, shutil.get_terminal_size().columns) if terminal else WIDTH,
+        color_system="auto" if coloured else None,
+        force_terminal=terminal,
+        markup=False,
+        emoji=False,
+        highlight=False,
+    )

@@ -1,0 +1,75 @@
+"""A loop of trials as a person reads it: the truth stands beside the estimate."""
+
+from rich.console import RenderableType
+from rich.table import Table
+
+from slidepipe.artifacts.campaign import CampaignDocument, CampaignRow
+from slidepipe.artifacts.run import Run
+from slidepipe.artifacts.values import Planar
+from slidepipe.cli.views.tables import NONE, angle_mrad, columns, heading, interval, length_mm, near, planar
+
+_NUMBERS = ("trial", "x\nmm", "y\nmm", "theta\nmrad", "error\nmm", "error\nmrad", "mu")
+
+
+def campaign_view(campaign: CampaignDocument, run: Run) -> list[RenderableType]:
+    """One block for each trial: planned, reached as estimated, and true; then the verdict and the pictures."""
+    table = columns("trial", "finger on the object", *_NUMBERS[1:], "95 %\ninterval", numbers=_NUMBERS)
+    for row in campaign.rows:
+        _add(table, row)
+    pictures = [str(run.directory / name) for name in campaign.pictures]
+    return [heading(f"run {run.id}", campaign.experiment), table, "", verdict(campaign), *pictures]
+
+
+def verdict(campaign: CampaignDocument) -> str:
+    """How it ended, in one sentence."""
+    last = campaign.rows[-1] if campaign.rows else None
+    count = f"{len(campaign.rows)} {'trial' if len(campaign.rows) == 1 else 'trials'}"
+    if campaign.converged:
+        return f"converged: within tolerance after {count}"
+    if campaign.stopped_because is not None:
+        return f"stopped after {count}: {campaign.stopped_because}"
+    if last is not None and last.outcome == "lost":
+        return f"lost: the fingers did not hold the object to the end of trial {last.trial}"
+    return f"not converged: still out of tolerance after {count}"
+
+
+def _add(table: Table, row: CampaignRow) -> None:
+    planned = row.planned_relative_pose.vector
+    table.add_row(str(row.trial), "planned, believed", *planar(planned), "", "", _friction(row.believed_friction), "")
+    reached = row.reached_relative_pose
+    simulated = row.true_relative_pose is not None or row.true_friction is not None
+    table.add_row(
+        "",
+        "lost" if row.outcome == "lost" else "reached, estimated",
+        *_pose(reached.vector if reached else None, planned),
+        *_error(row.error_m, row.error_rad),
+        _friction(row.estimated_friction),
+        interval(row.estimated_friction_interval_95),
+        end_section=not simulated,
+    )
+    if simulated:
+        true = row.true_relative_pose
+        table.add_row(
+            "",
+            "true",
+            *_pose(true.vector if true else None, planned),
+            *_error(row.true_error_m, row.true_error_rad),
+            _friction(row.true_friction),
+            "",
+            end_section=True,
+        )
+
+
+def _pose(vector: Planar | None, planned: Planar) -> tuple[str, str, str]:
+    return (NONE, NONE, NONE) if vector is None else planar(near(vector, planned))
+
+
+def _error(error_m: float | None, error_rad: float | None) -> tuple[str, str]:
+    return (
+        NONE if error_m is None else length_mm(error_m),
+        NONE if error_rad is None else angle_mrad(error_rad),
+    )
+
+
+def _friction(value: float | None) -> str:
+    return NONE if value is None else f"{value:.4f}"

@@ -1,0 +1,81 @@
+"""An estimate as a person reads it."""
+
+from rich.console import RenderableType
+from rich.table import Table
+
+from slidepipe.artifacts.estimate import EstimateDocument
+from slidepipe.artifacts.run import Run
+from slidepipe.artifacts.values import UncertainPose
+from slidepipe.cli.views.tables import (
+    NONE,
+    angle_mrad,
+    columns,
+    facts,
+    fixed,
+    heading,
+    interval,
+    length_mm,
+    near,
+    number,
+    planar,
+)
+
+
+def estimate_view(estimate: EstimateDocument, run: Run) -> list[RenderableType]:
+    """Relative poses with one standard deviation, the slide, the friction with its interval, and what to be wary of."""
+    return [
+        heading(f"estimate {run.id}", f"of trial {estimate.trial}"),
+        _poses(estimate),
+        "",
+        facts([*_lost(estimate), *_friction(estimate), *_recording(estimate)]),
+        "",
+        str(run.directory / "estimate.yaml"),
+    ]
+
+
+def _poses(estimate: EstimateDocument) -> Table:
+    names = ("x mm", "y mm", "theta mrad")
+    table = columns("finger on the object (± one standard deviation)", *names, numbers=names)
+    table.add_row("before", *_uncertain(estimate.initial_relative_pose))
+    table.add_row("after", *_uncertain(estimate.final_relative_pose, beside=estimate.initial_relative_pose))
+    return table
+
+
+def _lost(estimate: EstimateDocument) -> list[tuple[str, str]]:
+    return [] if estimate.lost is None else [("lost", estimate.lost)]
+
+
+def _uncertain(pose: UncertainPose | None, beside: UncertainPose | None = None) -> tuple[str, str, str]:
+    if pose is None:
+        return NONE, NONE, NONE
+    x, y, theta = planar(near(pose.vector, (beside or pose).vector))
+    return (
+        f"{x} ± {length_mm(pose.x_std_m)}",
+        f"{y} ± {length_mm(pose.y_std_m)}",
+        f"{theta} ± {angle_mrad(pose.theta_std_rad)}",
+    )
+
+
+def _friction(estimate: EstimateDocument) -> list[tuple[str, str]]:
+    found = estimate.friction
+    if found is None:
+        return [("friction", f"not estimated: {estimate.friction_missing_because}")]
+    kappa, mu, taken = found.kappa_m_s2, found.mu, found.assumed
+    force, mass = number(taken.normal_force_n, "N"), number(1e3 * taken.mass_kg, "g")
+    ends = interval(kappa.interval_95, "m/s²")
+    return [
+        ("kappa = mu f_N / m", f"{number(kappa.value)} ± {number(kappa.std, 'm/s²')}, 95 % interval {ends}"),
+        ("mu", f"{mu.value:.4f}, 95 % interval {interval(mu.interval_95)}"),
+        ("assumed for mu", f"f_N {force}, mass {mass}, rho {length_mm(taken.rho_m)} mm"),
+    ]
+
+
+def _recording(estimate: EstimateDocument) -> list[tuple[str, str]]:
+    slide, clock = estimate.slide, estimate.clock
+    offset, left = f"offset {clock.offset_s:.6f} s", f"residual {number(1e3 * clock.residual_std_s, 'ms')}"
+    return [
+        ("slide", f"from {fixed(slide.start_s, 3)} s to {fixed(slide.stop_s, 3)} s" if slide else "nothing slid"),
+        ("frames used", str(estimate.frames_used)),
+        ("cameras' clock", f"{offset}, rate {number(clock.rate_ppm, 'ppm')}, {left}"),
+        *(("note", text) for text in estimate.notes),
+    ]

@@ -1,0 +1,109 @@
+"""Runs as a person reads them: a line each in a list, and a manifest in full."""
+
+from collections.abc import Iterable
+
+from rich.console import RenderableType
+from rich.table import Table
+
+from slidepipe.artifacts.manifest import Manifest, Result
+from slidepipe.artifacts.run import Run
+from slidepipe.cli.views.tables import BARE, NONE, columns, facts, heading, number, size
+
+HASH = 16
+"""Digits of a hash that are shown; the manifest and ``--json`` have them all."""
+RESULTS = 2
+"""Results that stand in the list of runs."""
+
+
+def run_list(runs: Iterable[Run]) -> list[RenderableType]:
+    """Table of runs."""
+    table = columns("run", "stage", "experiment", "state", "seed", numbers=["seed"])
+    table.columns[2].no_wrap, table.columns[2].overflow = False, "fold"
+    table.add_column("results")
+    for run in runs:
+        told = run.manifest
+        seed = NONE if told.seed is None else str(told.seed)
+        results = ", ".join(f"{one.name} {number(one.value, one.unit)}" for one in told.results[:RESULTS])
+        table.add_row(run.id, told.stage, told.experiment, told.state.value, seed, results)
+    return [table]
+
+
+def run_line(run: Run) -> dict[str, object]:
+    """One run as the JSON list holds it."""
+    told = run.manifest
+    return {
+        "run": run.id,
+        "directory": str(run.directory),
+        "stage": told.stage,
+        "experiment": told.experiment,
+        "state": told.state.value,
+        "started": told.times.started,
+        "finished": told.times.finished,
+        "seed": told.seed,
+        "recipe": told.recipe,
+        "inputs": [one.run for one in told.inputs if one.run is not None],
+        "results": [one.model_dump(mode="json") for one in told.results],
+    }
+
+
+def manifest_view(run: Run) -> list[RenderableType]:
+    """What was done, when, by which code, from what, and what came out."""
+    told = run.manifest
+    parts: list[RenderableType] = [heading(f"run {run.id}"), facts(_facts(run))]
+    if told.inputs:
+        parts += ["", _inputs(told)]
+    if told.outputs:
+        parts += ["", _outputs(told)]
+    if told.results:
+        parts += ["", _results(told.results)]
+    return parts
+
+
+def _facts(run: Run) -> list[tuple[str, str]]:
+    told = run.manifest
+    rows = [
+        ("stage", f"{told.stage} (version {told.stage_version})"),
+        ("experiment", told.experiment),
+        ("state", told.state.value),
+        ("started", told.times.started),
+        ("finished", told.times.finished),
+        ("seed", NONE if told.seed is None else str(told.seed)),
+        ("code", _code(told)),
+        ("recipe", told.recipe[:HASH]),
+        ("command", " ".join(told.command) or NONE),
+        ("directory", str(run.directory)),
+    ]
+    if told.error is not None:
+        rows.insert(3, ("error", f"{told.error.type}: {told.error.message}"))
+    return rows
+
+
+def _code(told: Manifest) -> str:
+    commit = "no commit known" if told.code.commit is None else f"commit {told.code.commit[:12]}"
+    state = {True: ", changed since", False: "", None: ", changed or not: not known"}[told.code.dirty]
+    return f"slidepipe {told.code.version}, {commit}{state}"
+
+
+def _inputs(told: Manifest) -> Table:
+    table = columns("input", "from", "size", "sha256", numbers=["size"])
+    table.columns[1].no_wrap, table.columns[1].overflow = False, "fold"
+    for one in told.inputs:
+        origin = one.file if one.run is None else f"{one.run}/{one.file}"
+        table.add_row(one.role, origin, size(one.size), one.sha256[:HASH])
+    return table
+
+
+def _outputs(told: Manifest) -> Table:
+    table = columns("output", "file", "size", "sha256", numbers=["size"])
+    table.columns[1].no_wrap, table.columns[1].overflow = False, "fold"
+    for one in told.outputs:
+        table.add_row(one.role, one.file, size(one.size), one.sha256[:HASH])
+    return table
+
+
+def _results(results: Iterable[Result]) -> Table:
+    numbers = ("value", "std")
+    table = columns("result", *numbers, "unit", numbers=numbers)
+    for one in results:
+        table.add_row(one.name, number(one.value), number(one.std), "" if one.unit in BARE else one.unit)
+    return table

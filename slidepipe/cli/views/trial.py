@@ -1,0 +1,68 @@
+"""A trial as a person reads it, with the truth beside it where the lab was simulated."""
+
+from rich.console import RenderableType
+
+from slidepipe.artifacts.run import Run
+from slidepipe.artifacts.trial import TrialDocument, TruthDocument
+from slidepipe.cli.views.tables import (
+    NONE,
+    angle_mrad,
+    columns,
+    facts,
+    fixed,
+    heading,
+    length_mm,
+    near,
+    number,
+    planar,
+    share,
+)
+
+
+def trial_view(trial: TrialDocument, truth: TruthDocument | None, run: Run) -> list[RenderableType]:
+    """Outcome, tracking error and frames, then what was true."""
+    seed = "" if trial.seed is None else f", seed {trial.seed}"
+    return [
+        heading(f"trial {run.id}", f"{trial.lab} lab{seed}"),
+        facts(_rows(trial)),
+        *(_truth(truth) if truth is not None else ()),
+        "",
+        str(run.directory / "trial.yaml"),
+    ]
+
+
+def _rows(trial: TrialDocument) -> list[tuple[str, str]]:
+    frames = trial.frames
+    return [
+        ("plan", trial.plan),
+        ("outcome", trial.outcome),
+        ("lasted", f"{fixed(1e-9 * (trial.finished_ns - trial.started_ns), 3)} s"),
+        ("tracking error", _tracking(trial)),
+        ("frames", f"{frames.taken}, {_missing(trial)}, longest gap {fixed(1e3 * frames.longest_gap_s, 1)} ms"),
+    ]
+
+
+def _tracking(trial: TrialDocument) -> str:
+    error = trial.tracking_error
+    if error is None:
+        return NONE
+    rms = f"rms {length_mm(error.position_rms_m)} mm and {angle_mrad(error.angle_rms_rad)} mrad"
+    return f"{rms}, peak {length_mm(error.position_peak_m)} mm and {angle_mrad(error.angle_peak_rad)} mrad"
+
+
+def _missing(trial: TrialDocument) -> str:
+    frames = trial.frames
+    hand, thing = share(frames.hand_missing, frames.taken), share(frames.object_missing, frames.taken)
+    return f"without the hand {hand}, without the object {thing}"
+
+
+def _truth(truth: TruthDocument) -> list[RenderableType]:
+    names = ("x mm", "y mm", "theta mrad")
+    poses = columns("true pose of the finger on the object", *names, numbers=names)
+    poses.add_row("before", *planar(truth.initial_relative_pose.vector))
+    poses.add_row("after", *planar(near(truth.final_relative_pose.vector, truth.initial_relative_pose.vector)))
+    known = truth.slide_start_s is not None and truth.slide_stop_s is not None
+    slide = f"from {number(truth.slide_start_s)} s to {number(truth.slide_stop_s)} s" if known else "nothing slid"
+    kappa = number(truth.kappa_m_s2, "m/s²")
+    friction = f"mu {truth.friction:.4f}, kappa {kappa}, rho {length_mm(truth.rho_m)} mm"
+    return ["", poses, "", facts([("true friction", friction), ("true slide", slide)])]

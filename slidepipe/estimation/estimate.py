@@ -1,0 +1,220 @@
+"""One trial from recording to estimate: clock, plane, smoothing, slide, resting grasp, friction."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from slidepipe.errors import EstimationError
+from slidepipe.estimation.clock import ClockFit, fit_clock
+from slidepipe.estimation.friction import FrictionEstimate, FrictionFinding, fit_friction, sliding_window
+from slidepipe.estimation.plane import PlanarBody, to_plane
+from slidepipe.estimation.poses import Tracks, align
+from slidepipe.estimation.request import EstimationRequest
+from slidepipe.estimation.rest import RestFinding, RestPose, find_rest
+from slidepipe.estimation.slide import Slide, SlideFinding, find_slide
+from slidepipe.estimation.smoothing import SmoothedSeries, rest_noise, smooth
+from slidepipe.estimation.weak_form import SlideWindow
+from slidepipe.series import BoolArray
+
+AROUND_SLIDE_S = 0.06
+FEWEST_REST_FRAMES = 20
+LONGEST_GAP_S = 0.05
+OFF_PLANE_M = 0.002
+OFF_PLANE_RAD = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """What one trial tells. Times in ``slide`` and ``friction`` are seconds since ``tracks.stamp_ns[0]``.
+
+    Attributes
+    ----------
+    clock : ClockFit
+        Camera ticks to host time.
+    tracks : Tracks
+        Measured planar poses on the camera frames, host time.
+    hand, object, relative : SmoothedSeries
+        Smoothed {f} and {b} in {w}, and r_f_b.
+    initial, final : RestPose or None
+        r_f_b at rest before and after the motion; None with a reason.
+    lost : str or None
+        Why there is no final relative pose: the object is gone or still moves.
+    initial_reason : str or None
+        Why there is no initial relative pose.
+    slide : Slide or None
+        The main piece of sliding; None if the object did not slide measurably.
+    slide_reason : str or None
+        Why there is no slide.
+    slide_threshold_m_s : float
+        Sliding slower than this was not told from noise.
+    friction : FrictionEstimate or None
+        None if there is no slide or it does not tell.
+    friction_reason : str or None
+        Why there is no friction.
+    notes : tuple of str
+        What the motion cannot tell, and what looks odd.
+    """
+
+    clock: ClockFit
+    tracks: Tracks
+    hand: SmoothedSeries
+    object: SmoothedSeries
+    relative: SmoothedSeries
+    initial: RestPose | None
+    final: RestPose | None
+    lost: str | None
+    initial_reason: str | None
+    slide: Slide | None
+    slide_reason: str | None
+    slide_threshold_m_s: float
+    friction: FrictionEstimate | None
+    friction_reason: str | None
+    notes: tuple[str, ...]
+
+    def host_ns(self, time_s: float) -> int:
+        """Host stamp of a time in seconds since the first frame."""
+        return int(self.tracks.stamp_ns[0]) + round(time_s * 1e9)
+
+
+def estimate(request: EstimationRequest) -> Estimate:
+    """Estimate one trial from its recording alone.
+
+    Raises
+    ------
+    InputError
+        A recording that contradicts itself: clocks or frames that go back, numbers that are not finite.
+    EstimationError
+        A recording too short or too empty for anything; an object that is lost or does not slide is no error.
+    """
+    clock = fit_clock(request.mocap.clock)
+    bodies = (
+        to_plane("hand", request.mocap.hand, request.plane),
+        to_plane("object", request.mocap.object, request.plane),
+    )
+    frames = request.mocap.frames
+    tracks = align(frames, clock.to_host(frames.ticks), *bodies, request.relative_angle_rad)
+    segments = _segments(request, tracks)
+    initial = find_rest(tracks, segments.before, "before the motion")
+    final = find_rest(tracks, segments.after, "after the motion")
+    motion = _motion(request, tracks, segments, final)
+    friction = _friction(request, tracks, motion)
+    return Estimate(
+        clock=clock,
+        tracks=tracks,
+        hand=motion.hand,
+        object=motion.object,
+        relative=motion.relative,
+        initial=initial.rest,
+        final=final.rest,
+        lost=final.reason,
+        initial_reason=initial.reason,
+        slide=motion.found.slide,
+        slide_reason=motion.found.reason,
+        slide_threshold_m_s=motion.found.threshold_m_s,
+        friction=friction.friction,
+        friction_reason=friction.reason,
+        notes=_notes(request, tracks, bodies, motion.found, friction),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Segments:
+    before: BoolArray
+    moving: BoolArray
+    after: BoolArray
+
+
+@dataclass(frozen=True, slots=True)
+class _Motion:
+    hand: SmoothedSeries
+    object: SmoothedSeries
+    relative: SmoothedSeries
+    found: SlideFinding
+
+
+def _segments(request: EstimationRequest, tracks: Tracks) -> _Segments:
+    before = tracks.stamp_ns < request.motion_start_ns
+    after = tracks.stamp_ns > request.motion_stop_ns
+    moving = ~before & ~after
+    seen = {
+        "at rest before the motion": before & tracks.hand.valid,
+        "during the motion": moving & tracks.relative.valid,
+        "at rest after the motion": after & tracks.hand.valid,
+    }
+    for when, mask in seen.items():
+        if np.count_nonzero(mask) < FEWEST_REST_FRAMES:
+            raise EstimationError(
+                f"poses: {np.count_nonzero(mask)} frames with the bodies in them {when}, "
+                f"at least {FEWEST_REST_FRAMES} are needed"
+            )
+    return _Segments(before, moving, after)
+
+
+def _motion(request: EstimationRequest, tracks: Tracks, segments: _Segments, final: RestFinding) -> _Motion:
+    """Smooth everything and find the slide; r_f_b a second time, with the process noise of the slide itself."""
+    held = segments.before if final.rest is None else segments.before | segments.after
+    time_s, moving = tracks.time_s, segments.moving
+    hand = smooth(time_s, tracks.hand, rest_noise(tracks.hand, segments.before | segments.after), moving)
+    body = smooth(time_s, tracks.object, rest_noise(tracks.object, held), moving)
+    noise = rest_noise(tracks.relative, held)
+    relative = smooth(time_s, tracks.relative, noise, moving)
+    found = find_slide(time_s, relative, request.rho_m, _in_hand(request, tracks, relative, moving))
+    if found.slide is not None:
+        near = (time_s > found.slide.start_s - AROUND_SLIDE_S) & (time_s < found.slide.stop_s + AROUND_SLIDE_S)
+        relative = smooth(time_s, tracks.relative, noise, near)
+        found = find_slide(time_s, relative, request.rho_m, _in_hand(request, tracks, relative, moving))
+    return _Motion(hand, body, relative, found)
+
+
+def _in_hand(request: EstimationRequest, tracks: Tracks, relative: SmoothedSeries, moving: BoolArray) -> BoolArray:
+    """Frames of the motion with the contact no further out than the block's corners, away from long gaps."""
+    on_block = (
+        np.hypot(relative.pose[:, 0], relative.pose[:, 1]) < np.hypot(request.block.length, request.block.width) / 2
+    )
+    seen = tracks.time_s[tracks.relative.valid]
+    after = np.minimum(np.searchsorted(seen, tracks.time_s), len(seen) - 1)
+    gap = np.diff(seen, prepend=seen[:1])[after]
+    return np.asarray(moving & on_block & (gap < LONGEST_GAP_S) & (tracks.time_s <= seen[-1]))
+
+
+def _friction(request: EstimationRequest, tracks: Tracks, motion: _Motion) -> FrictionFinding:
+    slide = motion.found.slide
+    if slide is None:
+        return FrictionFinding(None, motion.found.reason)
+    inside = sliding_window(tracks.time_s, motion.relative, slide, request.rho_m)
+    window = SlideWindow(tracks.time_s, tracks.hand, tracks.object, motion.hand, motion.object, motion.relative, inside)
+    return fit_friction(request, slide, window)
+
+
+def _notes(
+    request: EstimationRequest,
+    tracks: Tracks,
+    bodies: tuple[PlanarBody, PlanarBody],
+    found: SlideFinding,
+    friction: FrictionFinding,
+) -> tuple[str, ...]:
+    notes = []
+    if friction.friction is not None:
+        notes.append(
+            "motion tells kappa = mu f_N / m only: mu is with the assumed normal force "
+            f"{request.normal_force_n:g} N and mass {request.block.m:g} kg, and as wrong as these are"
+        )
+        told = friction.friction.rho_relative_sd < 0.03
+        notes.append(
+            "motion tells the torsion constant and the contact radius only as their product"
+            if told
+            else f"the slide hardly turned: it tells nothing of the torsion, rho is the assumed {request.rho_m:g} m"
+        )
+    if found.slide is not None:
+        start, stop = (int(tracks.stamp_ns[0]) + s * 1e9 for s in (found.slide.start_s, found.slide.stop_s))
+        if stop < request.slide_start_ns or start > request.slide_stop_ns:
+            notes.append("the main slide lies wholly outside the planned sliding phase")
+        if found.slide.pieces > 1:
+            notes.append(f"the object slid in {found.slide.pieces} pieces: the longest is reported")
+    if tracks.spikes:
+        notes.append(f"{tracks.spikes} poses far from their neighbours were left out")
+    for name, body in zip(("hand", "object"), bodies, strict=True):
+        distance, tilt = float(np.median(np.abs(body.distance_m))), float(np.median(body.tilt_rad))
+        if distance > OFF_PLANE_M or tilt > OFF_PLANE_RAD:
+            notes.append(f"the {name} was {distance * 1e3:.1f} mm and {tilt * 1e3:.0f} mrad off the motion plane")
+    return tuple(notes)

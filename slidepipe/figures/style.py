@@ -1,0 +1,60 @@
+"""How every picture looks: one meaning, one line, told apart in grey as well as in colour."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+DPI = 180
+PANEL_WIDTH_IN = 5.0
+"""Width of one column of a picture, inches."""
+
+ROW_HEIGHT_IN = 1.75
+"""Height of one row of a picture, inches."""
+
+Look = Mapping[str, Any]
+"""Keyword arguments of one kind of line or area."""
+
+
+def _look(**keywords: Any) -> Look:
+    return MappingProxyType(keywords)
+
+
+WANTED = _look(color="black", linestyle=(0, (4.5, 2.5)), linewidth=1.1, zorder=5)
+"""What was planned or commanded."""
+MEASURED = _look(color="#1f5fa8", linestyle="-", linewidth=1.6, zorder=4)
+"""What was measured, or estimated from it."""
+TRUE = _look(color="#d9730d", linestyle=(0, (6, 1.6, 1, 1.6)), linewidth=1.1, zorder=6)
+"""What was true in a simulated lab."""
+RAW = _look(color="#8b949e", linestyle="none", marker=".", markersize=2.6, markeredgewidth=0.0, zorder=2)
+"""Single samples as the cameras gave them."""
+GOAL = _look(color="#8a1c3c", linestyle=(0, (1, 1.4)), linewidth=1.3, zorder=3)
+BAND = _look(facecolor="#8a1c3c", alpha=0.13, linewidth=0.0, zorder=1)
+"""What the goal's tolerance allows."""
+SLIDING = _look(facecolor="#cfeacb", edgecolor="#5b9a55", linewidth=0.5, zorder=0)
+"""When the object slides in the fingers."""
+
+SETTINGS = MappingProxyType(
+    {
+        "font.family": "DejaVu Sans",
+        "font.size": 9.0,
+        "axes.titlesize": 10.0,
+        "axes.labelsize": 9.0,
+        "axes.linewidth": 0.6,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "axes.formatter.useoffset": False,
+        "axes.xmargin": 0.015,
+        "axes.grid": True,
+        "axes.axisbelow": True,
+        "grid.color": "#d8dce0",
+        "grid.linewidth": 0.4,
+        "xtick.labelsize": 8.0,
+        "ytick.labelsize": 8.0,
+        "legend.frameon": False,
+        "legend.fontsize": 9.0,
+        "figure.facecolor": "white",
+        "figure.dpi": DPI,
+        "savefig.dpi": DPI,
+    }
+)
+"""Settings of matplotlib that hold for every picture."""

@@ -1,0 +1,1 @@
+"""The stages: each reads artifacts, calls the rooms below, and writes one run; ``run(request) -> result``."""

@@ -1,0 +1,65 @@
+"""Plan: from an experiment file to its first motion."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from slidepipe.artifacts.experiment import load_experiment
+from slidepipe.artifacts.plan import PlanDocument
+from slidepipe.artifacts.run import Run, outside_input
+from slidepipe.artifacts.schema import parse
+from slidepipe.artifacts.store import Store
+from slidepipe.artifacts.strict_yaml import load
+from slidepipe.planning.planner import plan
+from slidepipe.stages.plan_files import EXPERIMENT, PLAN, Occasion, write_plan
+from slidepipe.stages.translate import first_regrasp, setup
+
+STAGE, STAGE_VERSION = "plan", 1
+
+
+@dataclass(frozen=True, slots=True)
+class PlanRequest:
+    """Which experiment to plan; ``overrides`` are ``key.key=value``, ``force`` plans again what was planned before."""
+
+    experiment: Path
+    store: Store
+    overrides: tuple[str, ...] = ()
+    force: bool = False
+    command: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class PlanResult:
+    """The plan's run and document; ``reused`` where an equal plan was there already."""
+
+    run: Run
+    document: PlanDocument
+    reused: bool
+
+
+def run(request: PlanRequest) -> PlanResult:
+    """Plan an experiment's first motion.
+
+    Raises
+    ------
+    InputError
+        The experiment file is wrong: one line for each fault.
+    InfeasibleError
+        A limit is broken: one line for each.
+    """
+    experiment = load_experiment(request.experiment, request.overrides)
+    draft = request.store.draft(
+        stage=STAGE,
+        stage_version=STAGE_VERSION,
+        experiment=experiment.name,
+        parameters=experiment.model_dump(mode="json"),
+        inputs=(outside_input(EXPERIMENT, request.experiment),),
+        command=request.command,
+    )
+    known = None if request.force else request.store.find_recipe(draft.recipe)
+    if known is not None:
+        return PlanResult(known, parse(PlanDocument, load(known.file(PLAN))), reused=True)
+    with draft:
+        chosen = plan(first_regrasp(experiment), setup(experiment, experiment.friction))
+        occasion = Occasion(1, "the experiment's own motion", None, experiment.friction, None)
+        document = write_plan(draft, chosen, experiment, occasion)
+    return PlanResult(draft.run, document, reused=False)

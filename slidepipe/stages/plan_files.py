@@ -1,0 +1,123 @@
+"""A plan as files: ``plan.yaml``, the reference as MCAP, and the experiment that it was made for."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from slidepipe.artifacts.draft import Draft
+from slidepipe.artifacts.experiment import Experiment
+from slidepipe.artifacts.plan import Belief, LimitCheck, Phase, PlanDocument, Slide
+from slidepipe.artifacts.recording_series import Series, write_series
+from slidepipe.artifacts.recording_writer import RecordingWriter
+from slidepipe.artifacts.schema import dump_model
+from slidepipe.artifacts.values import Planar, Pose
+from slidepipe.mechanics.planar import MotionPlane
+from slidepipe.planning.limits import Check
+from slidepipe.planning.planner import Plan
+from slidepipe.series import FloatArray, IntArray, JointSeries, PoseSeries
+from slidepipe.stages.translate import motion_plane
+
+PLAN, REFERENCE, EXPERIMENT = "plan", "reference", "experiment"
+"""Roles of a plan's files."""
+REFERENCE_FILE = "reference.mcap"
+REFERENCE_JOINTS, REFERENCE_HAND, REFERENCE_OBJECT = "/reference/joints", "/reference/hand", "/reference/object"
+
+
+@dataclass(frozen=True, slots=True)
+class Occasion:
+    """Why a plan was made: which trial it is for, from which estimate, and with which friction."""
+
+    trial: int
+    reason: str
+    previous_estimate: str | None
+    friction: float
+    friction_std: float | None
+
+
+def write_plan(draft: Draft, plan: Plan, experiment: Experiment, occasion: Occasion) -> PlanDocument:
+    """Write a plan into a draft, and report its main figures in the manifest."""
+    document = _document(plan, experiment, occasion)
+    text = dump_model(document)
+    draft.add(PLAN, "plan.yaml").write_text(text, encoding="utf-8")
+    draft.add(EXPERIMENT, "experiment.yaml").write_text(dump_model(experiment), encoding="utf-8")
+    provenance = {"run": draft.run_id, "experiment": experiment.name, "clock": "from the start of the motion"}
+    with RecordingWriter(draft.add(REFERENCE, REFERENCE_FILE), provenance, {"plan.yaml": text.encode()}) as writer:
+        write_series(writer, _reference(plan, motion_plane(experiment)))
+    draft.report("believed_friction", occasion.friction, std=occasion.friction_std, unit="1")
+    draft.report("duration", float(plan.motion.time_s[-1]), unit="s")
+    draft.report("peak_hand_speed", float(np.max(plan.load.hand_speed_m_s)), unit="m/s")
+    return document
+
+
+def _document(plan: Plan, experiment: Experiment, occasion: Occasion) -> PlanDocument:
+    task, motion = plan.regrasp, plan.motion
+    start, slide, switch, settle, stop = (float(edge) for edge in task.boundaries)
+    kappa = occasion.friction * experiment.grasp.normal_force_n / experiment.object.mass_kg
+    return PlanDocument(
+        experiment=experiment.name,
+        trial=occasion.trial,
+        reason=occasion.reason,
+        previous_estimate=occasion.previous_estimate,
+        believed=Belief(
+            friction=occasion.friction,
+            friction_std=occasion.friction_std,
+            kappa_m_s2=kappa,
+            rho_m=experiment.grasp.rho_m,
+        ),
+        start_relative_pose=Pose.of(task.r_start),
+        goal_relative_pose=Pose.of(task.r_goal),
+        object_start_pose=Pose.of(task.q_o_start),
+        hand_start_pose=Pose.of(motion.q_f[0]),
+        hand_end_pose=Pose.of(motion.q_f[-1]),
+        phases=(
+            Phase(name="stick", start_s=start, stop_s=slide, object_acceleration=_planar(plan.ddq_o_stick)),
+            Phase(name="slide", start_s=slide, stop_s=settle, object_acceleration=None),
+            Phase(name="settle", start_s=settle, stop_s=stop, object_acceleration=_planar(plan.ddq_o_settle)),
+        ),
+        object_velocity_at_slide=_planar(plan.dq_o_slide),
+        slide=Slide(start_s=slide, switch_s=switch, stop_s=settle, relative_acceleration=_planar(task.ddr)),
+        margins=tuple(_check(check) for check in plan.margins),
+        limits=tuple(_check(check) for check in plan.limits),
+        reference_file=REFERENCE_FILE,
+    )
+
+
+def _reference(plan: Plan, plane: MotionPlane) -> Series:
+    stamps = np.round(1e9 * plan.motion.time_s).astype(np.int64)
+    return Series(
+        joints={
+            REFERENCE_JOINTS: JointSeries(
+                stamp_ns=stamps,
+                position_rad=plan.joints.position_rad,
+                velocity_rad_s=plan.joints.velocity_rad_s,
+                effort_n_m=plan.load.feedforward_n_m,
+            )
+        },
+        poses={
+            REFERENCE_HAND: _in_space(stamps, plan.motion.q_f, plane),
+            REFERENCE_OBJECT: _in_space(stamps, plan.motion.q_o, plane),
+        },
+    )
+
+
+def _in_space(stamps: IntArray, poses: FloatArray, plane: MotionPlane) -> PoseSeries:
+    position, matrix = plane.lift(poses)
+    quaternion = Rotation.from_matrix(matrix).as_quat(canonical=True)
+    return PoseSeries(stamps, position, quaternion, np.arange(len(stamps), dtype=np.int64))
+
+
+def _check(check: Check) -> LimitCheck:
+    return LimitCheck(
+        name=check.name,
+        value=check.value,
+        bound=check.bound,
+        unit=check.unit,
+        time_s=check.time_s,
+        satisfied=check.satisfied,
+    )
+
+
+def _planar(values: FloatArray) -> Planar:
+    x, y, theta = (float(value) for value in values)
+    return x, y, theta

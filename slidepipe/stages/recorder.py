@@ -1,0 +1,83 @@
+"""What the loop says, into a recording."""
+
+from slidepipe.artifacts import topics
+from slidepipe.artifacts.recording_writer import RecordingWriter
+from slidepipe.lab.protocols import ClockExchange, JointCommand, JointState, MocapFrame
+
+
+class TrialRecorder:
+    """Implements the loop's ``Recorder`` on a recording.
+
+    A frame's time on the host's clock is told by the echo with the shortest round trip so far; the raw ticks and every
+    echo are recorded as well, so that an estimate can do better.
+    """
+
+    def __init__(self, writer: RecordingWriter, ticks_per_s: float) -> None:
+        self._writer, self._ticks_per_s = writer, ticks_per_s
+        self._best: ClockExchange | None = None
+
+    def joints(self, command: JointCommand, state: JointState) -> None:
+        """Record one tick of the arm."""
+        self._writer.joints(
+            topics.COMMANDED,
+            stamp_ns=state.stamp_ns,
+            log_ns=state.stamp_ns,
+            position_rad=command.position_rad,
+            velocity_rad_s=command.velocity_rad_s,
+            effort_n_m=command.feedforward_n_m,
+        )
+        self._writer.joints(
+            topics.MEASURED,
+            stamp_ns=state.stamp_ns,
+            log_ns=state.stamp_ns,
+            position_rad=state.position_rad,
+            velocity_rad_s=state.velocity_rad_s,
+            effort_n_m=state.effort_n_m,
+        )
+
+    def frame(self, frame: MocapFrame) -> None:
+        """Record one camera frame and the bodies that were seen in it."""
+        stamp_ns = self._host_ns(frame)
+        self._writer.frame(
+            stamp_ns=stamp_ns,
+            received_ns=frame.received_ns,
+            frame=frame.frame,
+            ticks=frame.ticks,
+            hand_valid=frame.hand is not None,
+            object_valid=frame.object is not None,
+        )
+        for topic, body in ((topics.HAND, frame.hand), (topics.OBJECT, frame.object)):
+            if body is not None:
+                self._writer.pose(
+                    topic,
+                    stamp_ns=stamp_ns,
+                    log_ns=frame.received_ns,
+                    position_m=body.position_m,
+                    quaternion_xyzw=body.quaternion_xyzw,
+                    sequence=frame.frame,
+                )
+
+    def clock(self, exchange: ClockExchange) -> None:
+        """Record one echo."""
+        if self._best is None or _trip_ns(exchange) < _trip_ns(self._best):
+            self._best = exchange
+        self._writer.clock(
+            sent_ns=exchange.sent_ns,
+            ticks=exchange.ticks,
+            received_ns=exchange.received_ns,
+            ticks_per_s=self._ticks_per_s,
+        )
+
+    def event(self, stamp_ns: int, text: str) -> None:
+        """Record that something happened."""
+        self._writer.event(stamp_ns=stamp_ns, log_ns=stamp_ns, name="loop", message=text)
+
+    def _host_ns(self, frame: MocapFrame) -> int:
+        if self._best is None:
+            return frame.received_ns
+        middle_ns = (self._best.sent_ns + self._best.received_ns) // 2
+        return max(0, middle_ns + round(1e9 * (frame.ticks - self._best.ticks) / self._ticks_per_s))
+
+
+def _trip_ns(exchange: ClockExchange) -> int:
+    return exchange.received_ns - exchange.sent_ns

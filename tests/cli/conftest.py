@@ -1,0 +1,90 @@
+"""Stages that compute nothing, in the place of those that do: what is tested here is the words around them."""
+
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+import pytest
+import samples
+from click.testing import CliRunner, Result
+
+from slidepipe.artifacts.schema import Artifact, dump_model
+from slidepipe.artifacts.run import Run
+from slidepipe.cli.main import cli
+
+Call = Callable[..., Result]
+
+
+@dataclass
+class FakeStages:
+    """Requests that were made, and what each stage answers: a result, or an error to raise."""
+
+    answers: dict[str, Any] = field(default_factory=dict)
+    requests: list[SimpleNamespace] = field(default_factory=list)
+
+    def answer(self, stage: str, **result: Any) -> None:
+        self.answers[stage] = SimpleNamespace(**result)
+
+    def module(self, stage: str) -> ModuleType:
+        module = ModuleType(f"slidepipe.stages.{stage}")
+        setattr(module, f"{stage.capitalize()}Request", SimpleNamespace)
+
+        def run(request: SimpleNamespace) -> Any:
+            self.requests.append(request)
+            answer = self.answers[stage]
+            if isinstance(answer, BaseException):
+                raise answer
+            return answer
+
+        module.run = run  # type: ignore[attr-defined]
+        return module
+
+
+@pytest.fixture
+def stages(monkeypatch: pytest.MonkeyPatch) -> FakeStages:
+    fakes = FakeStages()
+    for stage in ("plan", "execute", "estimate", "iterate", "campaign"):
+        monkeypatch.setitem(sys.modules, f"slidepipe.stages.{stage}", fakes.module(stage))
+    fakes.answer("plan", run=samples.plan_run(), document=samples.plan(), reused=False)
+    fakes.answer("execute", run=samples.run(samples.TRIAL, "execute"), document=samples.trial(), truth=samples.truth())
+    fakes.answer(
+        "estimate", run=samples.run(samples.ESTIMATE, "estimate"), document=samples.estimate(), reused=False
+    )
+    fakes.answer("iterate", run=samples.plan_run(), document=samples.plan(trial=2), reused=False)
+    fakes.answer(
+        "campaign",
+        run=samples.run(samples.CAMPAIGN, "campaign"),
+        document=samples.campaign(samples.row(1), samples.row(2)),
+    )
+    return fakes
+
+
+@pytest.fixture
+def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Call:
+    """Call the command line in an empty directory."""
+    monkeypatch.chdir(tmp_path)
+    for name in ("SLIDEPIPE_DATA", "COLUMNS", "FORCE_COLOR", "TTY_COMPATIBLE"):
+        monkeypatch.delenv(name, raising=False)
+
+    def invoke(*arguments: str, **options: Any) -> Result:
+        return CliRunner().invoke(cli, arguments, prog_name="slidepipe", **options)
+
+    return invoke
+
+
+@pytest.fixture
+def publish(tmp_path: Path) -> Callable[..., Run]:
+    """Put a run into the store below the directory of :func:`call`."""
+
+    def put(run: Run, **documents: Artifact) -> Run:
+        directory = tmp_path / run.directory
+        directory.mkdir(parents=True)
+        (directory / "run.yaml").write_text(dump_model(run.manifest), encoding="utf-8")
+        for name, document in documents.items():
+            (directory / f"{name}.yaml").write_text(dump_model(document), encoding="utf-8")
+        return run
+
+    return put

@@ -1,0 +1,81 @@
+"""What the command line says of itself, and that it says so at once."""
+
+import re
+import subprocess
+import sys
+
+import click
+import pytest
+
+from slidepipe import __version__
+from slidepipe.cli.exits import ExitCode
+from slidepipe.cli.main import VERBS, cli
+
+HEAVY = {
+    "numpy", "scipy", "mujoco", "mink", "numba", "filterpy", "pandas", "matplotlib", "mcap", "google", "pydantic",
+    "yaml", "rich",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["plan", "--help"], ["--version"], *([verb, "-h"] for verb in VERBS)])
+def test_help_waits_for_nothing_heavy(arguments: list[str]) -> None:
+    command = [sys.executable, "-X", "importtime", "-m", "slidepipe", *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)  # noqa: S603
+    imported = {line.rpartition("|")[2].strip() for line in done.stderr.splitlines() if line.startswith("import time:")}
+    assert "slidepipe.cli.main" in imported
+    assert {name.partition(".")[0] for name in imported} & HEAVY == set()
+
+
+def test_help_of_the_group(call) -> None:
+    result = call("--help")
+    assert result.exit_code == 0
+    assert re.findall(r"^  (\w+)  +[A-Z]", result.stdout, re.MULTILINE) == list(VERBS)
+    assert "..." not in result.stdout.partition("Commands:")[2], "no short help is cut off"
+    assert "SLIDEPIPE_DATA" in result.stdout
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_every_verb_explains_itself(call, verb: str) -> None:
+    result = call(verb, "--help")
+    assert result.exit_code == 0
+    assert f"\n  Example:\n    slidepipe {verb} " in result.stdout
+    assert re.search(r"^  [A-Z][^.]+\.$", result.stdout, re.MULTILINE), "one sentence that says what it does"
+    codes = {int(code) for code in re.findall(r"^    (\d+) +\S", result.stdout.partition("Exit codes:")[2], re.MULTILINE)}
+    assert {0, 2, 3, 4, 5, 130} <= codes <= set(ExitCode)
+    assert "--json" in result.stdout
+    assert max(len(line) for line in result.stdout.splitlines()) <= 80
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_every_example_is_accepted(call, verb: str) -> None:
+    example = call(verb, "--help").stdout.partition("Example:\n")[2].splitlines()[0].split()
+    assert example[:2] == ["slidepipe", verb]
+    context = click.Context(cli, info_name="slidepipe")
+    command = cli.get_command(context, verb)
+    command.make_context(verb, example[2:], parent=context)
+
+
+def test_version(call) -> None:
+    assert call("--version").stdout == f"slidepipe {__version__}\n"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["unknown"],
+        ["--unknown"],
+        ["plan"],
+        ["plan", "a.yaml", "b.yaml"],
+        ["execute", "@latest", "--seed", "-1"],
+        ["iterate", "@latest", "--friction", "guess"],
+        ["run", "a.yaml", "--trials", "0"],
+        ["ls", "too-much"],
+        ["show"],
+    ],
+)
+def test_wrong_usage(call, arguments: list[str]) -> None:
+    result = call(*arguments)
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert result.stderr.startswith("Usage: slidepipe ")
+    assert "\nError: " in result.stderr

@@ -1,0 +1,101 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from slidepipe.errors import EstimationError, InputError
+from slidepipe.estimation.plane import to_plane
+from slidepipe.estimation.poses import Track, align, without_spikes
+from slidepipe.mechanics.planar import MotionPlane, finger_pose
+from slidepipe.series import FrameSeries, PoseSeries
+
+PLANE = MotionPlane(np.array([0.5, 0.1, 0.3]), 1.1)
+COUNT = 60
+TURNING = np.stack([np.zeros(COUNT), np.linspace(0, 0.3, COUNT), np.linspace(2.0, 14.0, COUNT)], axis=1)
+RELATIVE = np.array([0.01, 0.02, 3.1])
+
+
+def series(pose, rows=None):
+    rows = np.arange(len(pose)) if rows is None else np.asarray(rows)
+    position, matrix = PLANE.lift(pose[rows])
+    return PoseSeries(rows * 1000, position, Rotation.from_matrix(matrix).as_quat(), rows)
+
+
+def frames(hand, body):
+    seen = np.zeros((2, COUNT), dtype=bool)
+    seen[0, hand], seen[1, body] = True, True
+    number = np.arange(COUNT)
+    return FrameSeries(number, number * 1000, number * 1000, seen[0], seen[1])
+
+
+def aligned(hand_rows, body_rows, about=3.1):
+    hand = to_plane("hand", series(finger_pose(TURNING, RELATIVE), hand_rows), PLANE)
+    body = to_plane("object", series(TURNING, body_rows), PLANE)
+    return align(frames(hand_rows, body_rows), np.arange(COUNT) * 1_000_000, hand, body, about)
+
+
+def test_a_turning_body_is_unwrapped_across_a_gap():
+    rows = np.delete(np.arange(COUNT), np.s_[20:28])
+    body = to_plane("object", series(TURNING, rows), PLANE)
+    np.testing.assert_allclose(body.pose, TURNING[rows], atol=1e-9)
+    np.testing.assert_allclose(body.distance_m, 0.0, atol=1e-12)
+    np.testing.assert_allclose(body.tilt_rad, 0.0, atol=1e-7)
+
+
+@pytest.mark.parametrize("about", [3.1, 3.1 - 2 * np.pi, 6.0, -0.02])
+def test_the_relative_pose_is_taken_frame_by_frame_near_the_planned_angle(about):
+    hand, body = np.delete(np.arange(COUNT), [3, 4, 40]), np.delete(np.arange(COUNT), [4, 5])
+    tracks = aligned(hand, body, about)
+    expected = RELATIVE + np.array([0, 0, 2 * np.pi * np.round((about - 3.1) / (2 * np.pi))])
+    assert set(np.flatnonzero(~tracks.relative.valid)) == {3, 4, 5, 40}
+    assert not tracks.relative.pose[~tracks.relative.valid].any()
+    np.testing.assert_allclose(
+        tracks.relative.pose[tracks.relative.valid], np.tile(expected, (COUNT - 4, 1)), atol=1e-9
+    )
+
+
+def test_spikes_go_and_fast_motion_stays():
+    time = np.arange(100) / 360
+    pose = np.stack([2.0 * time, 20.0 * time**2, 25.0 * time], axis=1)
+    pose[50] += [0.02, 0.0, 0.0]
+    pose[70] += [0.0, 0.0, 0.5]
+    kept = without_spikes(Track(pose, np.ones(100, bool))).valid
+    assert set(np.flatnonzero(~kept)) == {50, 70}
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            lambda s: replace(s, position_m=np.where(np.arange(COUNT)[:, None] == 7, np.nan, s.position_m)),
+            "frame 7 is not",
+        ),
+        (lambda s: replace(s, quaternion_xyzw=2.0 * s.quaternion_xyzw), "has size 2, must be 1"),
+        (lambda s: replace(s, sequence=s.sequence[::-1]), "frame numbers go back after frame 59"),
+        (lambda s: replace(s, position_m=s.position_m[:-1]), "hand poses: positions and quaternions must be"),
+    ],
+)
+def test_poses_that_cannot_be(change, message):
+    with pytest.raises(InputError, match=message):
+        to_plane("hand", change(series(TURNING)), PLANE)
+
+
+def test_too_few_frames():
+    with pytest.raises(EstimationError, match="object tracked in 1 of 60 frames"):
+        aligned(np.arange(COUNT), np.array([5]))
+
+
+def test_poses_of_frames_that_were_not_recorded():
+    hand = to_plane("hand", series(TURNING), PLANE)
+    recorded = frames(np.arange(COUNT), np.arange(COUNT))
+    late = replace(recorded, frame=recorded.frame + 1)
+    with pytest.raises(InputError, match="hand poses: frame 0 is not among"):
+        align(late, recorded.ticks, hand, hand, 0.0)
+
+
+def test_camera_ticks_that_go_back():
+    hand = to_plane("hand", series(TURNING), PLANE)
+    recorded = frames(np.arange(COUNT), np.arange(COUNT))
+    with pytest.raises(InputError, match="camera frames: ticks goes back after frame 0"):
+        align(replace(recorded, ticks=recorded.ticks[::-1]), recorded.ticks, hand, hand, 0.0)
