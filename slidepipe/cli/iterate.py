@@ -17,7 +17,7 @@ WITHIN = "within tolerance: the finger is where it was wanted, there is nothing 
     example="slidepipe iterate @latest --friction keep",
     exits={
         ExitCode.OK: "planned, or already within tolerance",
-        ExitCode.NO: "no motion within the limits: they are named",
+        ExitCode.NO: "no motion within the limits: they are named; or the object was lost",
     },
 )
 @options.run_argument("estimate_run")

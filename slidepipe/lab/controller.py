@@ -8,8 +8,12 @@ from slidepipe.arm.model import Tool, nominal_model
 from slidepipe.lab.protocols import TICK_S, JointCommand
 from slidepipe.series import FloatArray
 
-ENCODER_RAD = 4e-5
-"""Resolution of the joint angle: 4096 counts a turn of the motor behind a reduction of some 40."""
+ENCODER_RAD = 2.0**-15
+"""Resolution of the joint angle: about 4096 counts a turn of the motor behind a reduction of 42."""
+DRIVE_N_M = 2.0**-10
+"""Resolution of the joint torque."""
+SPEED_RAD_S = 2.0**-10
+"""Resolution of the joint speed that the control loop reports."""
 
 
 class JointController:
@@ -46,7 +50,7 @@ class JointController:
         if self._last_position is not None:
             raw = (position_rad - self._last_position) / TICK_S
             blend = 1.0 - np.exp(-wam.VELOCITY_FILTER_RAD_S * TICK_S)
-            self.velocity_rad_s = self.velocity_rad_s + blend * (raw - self.velocity_rad_s)
+            self.velocity_rad_s = _rounded(self.velocity_rad_s + blend * (raw - self.velocity_rad_s), SPEED_RAD_S)
         self._last_position = position_rad.copy()
 
     def _gravity(self, position_rad: FloatArray) -> FloatArray:
@@ -61,4 +65,13 @@ class JointController:
 
 def read_encoders(position_rad: FloatArray) -> FloatArray:
     """Joint angles as the encoders show them."""
-    return np.asarray(np.round(np.asarray(position_rad) / ENCODER_RAD) * ENCODER_RAD)
+    return _rounded(position_rad, ENCODER_RAD)
+
+
+def to_drive(torque_n_m: FloatArray) -> FloatArray:
+    """Torques as the drives take them."""
+    return _rounded(torque_n_m, DRIVE_N_M)
+
+
+def _rounded(values: FloatArray, step: float) -> FloatArray:
+    return np.asarray(np.round(np.asarray(values) / step) * step)

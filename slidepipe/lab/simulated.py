@@ -9,7 +9,7 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation
 
 from slidepipe.lab.cameras import TICKS_PER_S, Cameras, CameraSettings
-from slidepipe.lab.controller import JointController, read_encoders
+from slidepipe.lab.controller import JointController, read_encoders, to_drive
 from slidepipe.lab.protocols import TICK_S, ClockExchange, JointCommand, JointState, MocapFrame
 from slidepipe.lab.world import PRESCRIBED_INERTIA, World, WorldSettings
 from slidepipe.mechanics.planar import relative_pose
@@ -63,6 +63,7 @@ class SimulatedLab:
         random: np.random.Generator,
     ) -> None:
         self._world = World(settings, joints_rad, r_f_b)
+        self._start_angle_rad = float(r_f_b[2])
         self._controller = JointController(settings.tool, feedforward=tracker is Tracker.FEEDFORWARD)
         self._prescribed = tracker is Tracker.PERFECT
         self._target = (np.array(joints_rad, dtype=float), np.zeros_like(joints_rad))
@@ -82,8 +83,8 @@ class SimulatedLab:
     def exchange(self, command: JointCommand) -> JointState:
         """Advance the world by one tick under a command; returns what was measured when the tick began."""
         measured = read_encoders(self._world.joints_rad)
-        torque = self._controller.torque(command, measured)
-        state = JointState(self._now_ns(), measured, self._controller.velocity_rad_s.copy(), torque.copy())
+        torque = to_drive(self._controller.torque(command, measured))
+        state = JointState(self._now_ns(), measured, self._controller.velocity_rad_s.copy(), torque)
         if self._prescribed:
             self._follow(command)
         else:
@@ -110,7 +111,9 @@ class SimulatedLab:
         q_f = np.array([plane.project(*e.hand) for e in self._exposures])
         q_o = np.array([plane.project(*e.block) for e in self._exposures])
         r_f_b = relative_pose(q_o, q_f)
-        return Truth(hand, block, np.column_stack([r_f_b[:, :2], np.unwrap(r_f_b[:, 2])]))
+        turns = np.unwrap(r_f_b[:, 2])
+        turns += 2 * np.pi * np.round((self._start_angle_rad - turns[0]) / (2 * np.pi))
+        return Truth(hand, block, np.column_stack([r_f_b[:, :2], turns]))
 
     def _now_ns(self) -> int:
         return round(1e9 * self._steps * self._timestep_s)

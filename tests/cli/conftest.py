@@ -11,8 +11,8 @@ import pytest
 import samples
 from click.testing import CliRunner, Result
 
-from slidepipe.artifacts.schema import Artifact, dump_model
 from slidepipe.artifacts.run import Run
+from slidepipe.artifacts.schema import Artifact, dump_model
 from slidepipe.cli.main import cli
 
 Call = Callable[..., Result]
@@ -43,16 +43,14 @@ class FakeStages:
         return module
 
 
-@pytest.fixture
+@pytest.fixture(autouse=True)
 def stages(monkeypatch: pytest.MonkeyPatch) -> FakeStages:
     fakes = FakeStages()
     for stage in ("plan", "execute", "estimate", "iterate", "campaign"):
         monkeypatch.setitem(sys.modules, f"slidepipe.stages.{stage}", fakes.module(stage))
     fakes.answer("plan", run=samples.plan_run(), document=samples.plan(), reused=False)
     fakes.answer("execute", run=samples.run(samples.TRIAL, "execute"), document=samples.trial(), truth=samples.truth())
-    fakes.answer(
-        "estimate", run=samples.run(samples.ESTIMATE, "estimate"), document=samples.estimate(), reused=False
-    )
+    fakes.answer("estimate", run=samples.run(samples.ESTIMATE, "estimate"), document=samples.estimate(), reused=False)
     fakes.answer("iterate", run=samples.plan_run(), document=samples.plan(trial=2), reused=False)
     fakes.answer(
         "campaign",

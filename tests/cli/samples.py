@@ -60,14 +60,16 @@ def run(run_id: str, stage: str, *, root: Path = Path("data"), **changes: object
     return Run(root / "runs" / day / run_id, Manifest(**(values | changes)))
 
 
+def output(role: str, file: str) -> OutputRef:
+    return OutputRef(role=role, file=file, sha256="cd" * 32, size=3120)
+
+
 def plan_run(root: Path = Path("data")) -> Run:
     return run(
         PLAN,
         "plan",
         root=root,
-        inputs=(
-            InputRef(role="experiment", sha256="ab" * 32, size=2473, run=None, file="experiments/regrasp.yaml"),
-        ),
+        inputs=(InputRef(role="experiment", sha256="ab" * 32, size=2473, run=None, file="experiments/regrasp.yaml"),),
         outputs=(
             OutputRef(role="plan", file="plan.yaml", sha256="cd" * 32, size=3120),
             OutputRef(role="reference", file="reference.mcap", sha256="ef" * 32, size=203_400),
@@ -98,7 +100,9 @@ def plan(*, trial: int = 1) -> PlanDocument:
     return PlanDocument(
         experiment="regrasp",
         trial=trial,
-        reason="first plan of the experiment" if trial == 1 else "13.42 mm and 0.4 mrad remain; friction from the estimate",
+        reason="first plan of the experiment"
+        if trial == 1
+        else "13.42 mm and 0.4 mrad remain; friction from the estimate",
         previous_estimate=None if trial == 1 else ESTIMATE,
         believed=Belief(friction=0.38, friction_std=None if trial == 1 else 0.00188, kappa_m_s2=20.652, rho_m=0.01044),
         start_relative_pose=START,

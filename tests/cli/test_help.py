@@ -17,7 +17,9 @@ HEAVY = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("arguments", [["--help"], ["plan", "--help"], ["--version"], *([verb, "-h"] for verb in VERBS)])
+@pytest.mark.parametrize(
+    "arguments", [["--help"], ["plan", "--help"], ["--version"], *([verb, "-h"] for verb in VERBS)]
+)
 def test_help_waits_for_nothing_heavy(arguments: list[str]) -> None:
     command = [sys.executable, "-X", "importtime", "-m", "slidepipe", *arguments]
     done = subprocess.run(command, capture_output=True, text=True, check=True)  # noqa: S603
@@ -40,7 +42,9 @@ def test_every_verb_explains_itself(call, verb: str) -> None:
     assert result.exit_code == 0
     assert f"\n  Example:\n    slidepipe {verb} " in result.stdout
     assert re.search(r"^  [A-Z][^.]+\.$", result.stdout, re.MULTILINE), "one sentence that says what it does"
-    codes = {int(code) for code in re.findall(r"^    (\d+) +\S", result.stdout.partition("Exit codes:")[2], re.MULTILINE)}
+    codes = {
+        int(code) for code in re.findall(r"^    (\d+) +\S", result.stdout.partition("Exit codes:")[2], re.MULTILINE)
+    }
     assert {0, 2, 3, 4, 5, 130} <= codes <= set(ExitCode)
     assert "--json" in result.stdout
     assert max(len(line) for line in result.stdout.splitlines()) <= 80
