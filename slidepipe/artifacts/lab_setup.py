@@ -37,8 +37,8 @@ class CameraSetup(Record):
 class ContactSetup(Record):
     """How stiff the simulated contact is, and how finely time is cut."""
 
-    timestep_s: Annotated[float, Field(ge=1e-6, le=0.002)] = 5.0e-05
-    solref_s: Annotated[float, Field(gt=0.0, le=1.0)] = 0.0002
+    timestep_s: Annotated[float, Field(ge=1e-6, le=0.002)] = 2.5e-05
+    solref_s: Annotated[float, Field(gt=0.0, le=1.0)] = 0.0001
     impratio: Annotated[float, Field(ge=1.0)] = 1000.0
 
 

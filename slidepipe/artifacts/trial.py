@@ -47,7 +47,7 @@ class TrialDocument(Artifact):
 class TruthDocument(Artifact):
     """What is written as ``truth.yaml``: the simulated world's own values, which no estimate may read.
 
-    The times of sliding are null where nothing slid.
+    The times of sliding count from the start of the motion, and are null where nothing slid.
     """
 
     SCHEMA: ClassVar[str] = "slidepipe.truth"
@@ -58,6 +58,6 @@ class TruthDocument(Artifact):
     rho_m: Positive
     initial_relative_pose: Pose
     final_relative_pose: Pose
-    slide_start_s: NotNegative | None
-    slide_stop_s: NotNegative | None
+    slide_start_s: float | None
+    slide_stop_s: float | None
     outcome: Outcome

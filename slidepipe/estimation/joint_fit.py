@@ -22,7 +22,8 @@ MARGIN_S = 0.03
 LOOSER_HAND = 10.0
 RHO_SD = 0.05
 SOFT_SHARE = 0.35
-MOST_STEPS = 60
+MOST_STEPS = 40
+LARGEST_LAST_STEP = 0.5
 COARSEST_STEP_S, FINEST_STEP_S = 0.001, 0.0003
 
 
@@ -44,7 +45,7 @@ class JointFit:
     kappa : float
         mu f_N / m, m/s^2.
     kappa_log_sd : float
-        Standard deviation of its logarithm, not yet inflated by ``chi_square``.
+        Standard deviation of its logarithm with the step that was left to go, not yet inflated by ``chi_square``.
     rho_m, rho_log_sd : float
         Torsion constant times contact radius and the standard deviation of its logarithm.
     chi_square : float
@@ -52,7 +53,7 @@ class JointFit:
     frames : int
         Frames of the window in which the object was seen.
     converged : bool
-        Whether the next step would change kappa by less than a fifth of its standard deviation.
+        Whether the next step would change kappa by less than half of its standard deviation.
     """
 
     kappa: float
@@ -67,23 +68,28 @@ class JointFit:
 def joint_fit(window: SlideWindow, block: Block, start: JointStart) -> JointFit:
     """Fit hand, object and friction to the measured poses of the window."""
     problem = _Problem(window, block, start)
+    scale = np.sqrt(np.diagonal(_covariance(problem.jacobian(problem.first))))
     found = least_squares(
-        problem.residuals, problem.first, jac=problem.jacobian, x_scale="jac", ftol=1e-6, xtol=1e-9, max_nfev=MOST_STEPS
+        problem.residuals, problem.first, jac=problem.jacobian, x_scale=scale, ftol=1e-6, xtol=1e-9, max_nfev=MOST_STEPS
     )
-    covariance = np.linalg.pinv(found.jac.T @ found.jac)
+    covariance = _covariance(found.jac)
     measured = found.jac[: problem.measurements]
     freedom = problem.measurements - float(np.einsum("ij,jk,ik->", measured, covariance, measured))
     next_step = covariance @ (found.jac.T @ found.fun)
     sd = np.sqrt(np.diagonal(covariance))
     return JointFit(
         kappa=float(np.exp(found.x[-2])),
-        kappa_log_sd=float(sd[-2]),
+        kappa_log_sd=float(np.hypot(sd[-2], next_step[-2])),
         rho_m=float(np.exp(found.x[-1])),
         rho_log_sd=float(sd[-1]),
         chi_square=float(np.sum(found.fun[: problem.measurements] ** 2) / freedom),
         frames=len(problem.object_rows),
-        converged=bool(abs(next_step[-2]) < 0.2 * sd[-2]),
+        converged=bool(abs(next_step[-2]) < LARGEST_LAST_STEP * sd[-2]),
     )
+
+
+def _covariance(jacobian: FloatArray) -> FloatArray:
+    return np.asarray(np.linalg.pinv(jacobian.T @ jacobian))
 
 
 class _Problem:

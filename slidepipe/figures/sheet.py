@@ -41,12 +41,13 @@ class Row:
     height: float = 1.0
 
 
-POSE = (
-    Row("$x$ (mm)", 1e3, 0.002),
-    Row("$y$ (mm)", 1e3, 0.002),
-    Row("$θ$ (°)", float(np.degrees(1.0)), 0.02),
-)
-"""The three rows of a planar pose; an angle is shown in degrees."""
+def pose_rows(least_span_m: float, least_span_rad: float) -> tuple[Row, Row, Row]:
+    """Make the three rows of a planar pose; an angle is shown in degrees."""
+    return (
+        Row("$x$ (mm)", 1e3, least_span_m),
+        Row("$y$ (mm)", 1e3, least_span_m),
+        Row("$θ$ (°)", float(np.degrees(1.0)), least_span_rad),
+    )
 
 
 @dataclass(frozen=True, slots=True)

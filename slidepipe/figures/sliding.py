@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from slidepipe.figures import style
-from slidepipe.figures.sheet import POSE, Sheet, new_sheet
-from slidepipe.figures.traces import broken, check_poses, near
+from slidepipe.figures.sheet import Sheet, new_sheet, pose_rows
+from slidepipe.figures.traces import broken, check_poses, near, turned
 from slidepipe.series import FloatArray
 
+POSE = pose_rows(0.002, 0.02)
 ROOM = 1.5
 """How far beyond the planned motion, as a multiple of its range, a scale follows an object that goes astray."""
 MOST_FRAMES = (1.0, 99.0)
@@ -55,7 +56,7 @@ class SlidingPanel:
     truth_time_s: FloatArray | None = None
 
     def __post_init__(self) -> None:
-        check_poses(f"plan of {self.title}", self.time_s, self.planned)
+        check_poses(f"plan of {self.title}", self.time_s, self.planned, at_least=2)
         check_poses(f"raw poses of {self.title}", self.raw_time_s, self.raw)
         check_poses(f"smoothed poses of {self.title}", self.smoothed_time_s, self.smoothed)
         if self.truth is not None:
@@ -71,9 +72,15 @@ class SlidingPanel:
         """(3,) tolerance of x, y and theta, m and rad."""
         return np.array([self.position_tolerance_m, self.position_tolerance_m, self.angle_tolerance_rad])
 
+    @property
+    def plan(self) -> FloatArray:
+        """Planned poses, with the angles of the turn in which they reach the goal."""
+        running = near(self.planned, self.planned)
+        return turned(running, self.goal[2] - running[-1, 2])
+
     def near_plan(self, poses: FloatArray) -> FloatArray:
         """Poses with their angles in the turn in which the plan begins."""
-        return near(poses, self.planned)
+        return near(poses, self.plan)
 
 
 def draw_sliding(panels: Sequence[SlidingPanel], path: Path) -> None:
@@ -106,26 +113,20 @@ def draw_sliding(panels: Sequence[SlidingPanel], path: Path) -> None:
 
 def _draw_row(sheet: Sheet, index: int, column: int, panel: SlidingPanel) -> None:
     axes, factor = sheet.axes[index][column], POSE[index].factor
-    goal, allowed = _goal(panel)[index] * factor, panel.tolerance[index] * factor
+    goal, allowed = panel.goal[index] * factor, panel.tolerance[index] * factor
     axes.axhspan(goal - allowed, goal + allowed, **style.BAND)
     axes.axhline(goal, **style.GOAL)
     axes.plot(panel.raw_time_s, panel.near_plan(panel.raw)[:, index] * factor, **style.RAW)
-    axes.plot(panel.time_s, panel.near_plan(panel.planned)[:, index] * factor, **style.WANTED)
+    axes.plot(panel.time_s, panel.plan[:, index] * factor, **style.WANTED)
     axes.plot(*broken(panel.smoothed_time_s, panel.near_plan(panel.smoothed)[:, index] * factor), **style.MEASURED)
     if panel.truth is not None:
         axes.plot(panel.true_time_s, panel.near_plan(panel.truth)[:, index] * factor, **style.TRUE)
 
 
-def _goal(panel: SlidingPanel) -> FloatArray:
-    """Goal in the turn in which the plan ends."""
-    goal: FloatArray = near(np.reshape(panel.goal, (1, 3)), panel.near_plan(panel.planned)[-1:])[0]
-    return goal
-
-
 def _shown(panel: SlidingPanel, index: int) -> FloatArray:
     """Values that a scale must show: the plan and the goal, and the rest as far as it does not dwarf them."""
-    goal, allowed = _goal(panel)[index], panel.tolerance[index]
-    wanted = np.concatenate([panel.near_plan(panel.planned)[:, index], [goal - allowed, goal + allowed]])
+    goal, allowed = panel.goal[index], panel.tolerance[index]
+    wanted = np.concatenate([panel.plan[:, index], [goal - allowed, goal + allowed]])
     room = ROOM * (wanted.max() - wanted.min())
     happened = [panel.near_plan(poses)[:, index] for poses in (panel.smoothed, panel.truth) if poses is not None]
     seen = panel.near_plan(panel.raw)[:, index]

@@ -1,16 +1,17 @@
 """How the hand followed its reference, in the manner of the paper's Fig. 10."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from slidepipe.figures import style
-from slidepipe.figures.sheet import POSE, Row, Sheet, new_sheet
-from slidepipe.figures.traces import broken, check_poses, near
+from slidepipe.figures.sheet import Row, Sheet, new_sheet, pose_rows
+from slidepipe.figures.traces import broken, check_poses, near, turned
 from slidepipe.series import FloatArray
 
+POSE = pose_rows(0.02, 0.05)
 POSITION_ERROR, ANGLE_ERROR = len(POSE), len(POSE) + 1
 ERRORS = (Row("error (mm)", 1e3, 0.001, height=0.6), Row("error (mrad)", 1e3, 0.002, height=0.6))
 
@@ -38,7 +39,7 @@ class TrackingPanel:
     slide_s: tuple[float, float] | None
 
     def __post_init__(self) -> None:
-        check_poses(f"reference of {self.title}", self.time_s, self.reference)
+        check_poses(f"reference of {self.title}", self.time_s, self.reference, at_least=2)
         check_poses(f"measurement of {self.title}", self.measured_time_s, self.measured)
 
     @property
@@ -73,9 +74,9 @@ def draw_tracking(panels: Sequence[TrackingPanel], path: Path) -> None:
     InputError
         There are no panels.
     """
-    sheet = new_sheet(
-        "Hand in the world plane: reference and measurement", [one.title for one in panels], POSE + ERRORS
-    )
+    titles = [one.title for one in panels]
+    sheet = new_sheet("Hand in the world plane: reference and measurement", titles, POSE + ERRORS)
+    panels = _in_one_turn(panels)
     for column, panel in enumerate(panels):
         sheet.shade(column, panel.slide_s)
         _draw_poses(sheet, column, panel)
@@ -85,8 +86,15 @@ def draw_tracking(panels: Sequence[TrackingPanel], path: Path) -> None:
     sheet.save(path)
 
 
+def _in_one_turn(panels: Sequence[TrackingPanel]) -> list[TrackingPanel]:
+    """Panels whose references end in the same turn, as they must to share a scale."""
+    running = [near(one.reference, one.reference) for one in panels]
+    shifted = [turned(poses, running[0][-1, 2] - poses[-1, 2]) for poses in running]
+    return [replace(panel, reference=poses) for panel, poses in zip(panels, shifted, strict=True)]
+
+
 def _draw_poses(sheet: Sheet, column: int, panel: TrackingPanel) -> None:
-    wanted, seen = near(panel.reference, panel.reference), near(panel.measured, panel.reference)
+    wanted, seen = panel.reference, near(panel.measured, panel.reference)
     for index, row in enumerate(POSE):
         axes = sheet.axes[index][column]
         axes.plot(panel.time_s, wanted[:, index] * row.factor, **style.WANTED)

@@ -85,4 +85,9 @@ class Cameras:
         if dropped or np.linalg.norm(position_m - self._centre_m) > CAPTURE_RADIUS_M:
             return None
         turn = Rotation.from_rotvec(noise_rad) * Rotation.from_matrix(matrix)
-        return BodyPose(position_m + noise_m, turn.as_quat(canonical=True))
+        return BodyPose(_on_the_wire(position_m + noise_m), _on_the_wire(turn.as_quat(canonical=True)))
+
+
+def _on_the_wire(values: FloatArray) -> FloatArray:
+    """The cameras send single precision."""
+    return np.asarray(values, dtype=np.float32).astype(np.float64)

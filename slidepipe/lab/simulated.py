@@ -16,6 +16,10 @@ from slidepipe.mechanics.planar import relative_pose
 from slidepipe.series import FloatArray, PoseSeries
 
 
+HOST_START_NS = 1_000_000_000
+"""The virtual host's clock when the world begins: no stamp is ever before its zero."""
+
+
 class Tracker(Enum):
     """How the simulated arm follows its commands."""
 
@@ -101,7 +105,7 @@ class SimulatedLab:
 
     def echo(self) -> ClockExchange:
         """Ask the cameras for their clock."""
-        return self._cameras.echo(self._world.time_s)
+        return self._cameras.echo(1e-9 * HOST_START_NS + self._world.time_s)
 
     def truth(self) -> Truth:
         """What no camera saw."""
@@ -116,17 +120,20 @@ class SimulatedLab:
         return Truth(hand, block, np.column_stack([r_f_b[:, :2], turns]))
 
     def _now_ns(self) -> int:
-        return round(1e9 * self._steps * self._timestep_s)
+        return HOST_START_NS + round(1e9 * self._steps * self._timestep_s)
 
     def _follow(self, command: JointCommand) -> None:
-        """Move the prescribed arm from the last command to this one on a cubic, step by step."""
-        times = np.arange(self._steps_per_tick + 1) / self._steps_per_tick
+        """Move the prescribed arm from the last command to this one on a cubic, step by step.
+
+        The speed of each step is the one that carries MuJoCo's semi-implicit integrator exactly to the next position;
+        the cubic's own speed would leave the block behind the hand by half a step of it.
+        """
         last, target = self._target, (command.position_rad, command.velocity_rad_s)
-        positions, speeds = _cubic(times, last, target)
-        for step in range(self._steps_per_tick):
-            self._world.joints_rad[:] = positions[step]
-            self._world.joint_speeds_rad_s[:] = speeds[step]
-            self._world.torque[:] = PRESCRIBED_INERTIA * (speeds[step + 1] - speeds[step]) / self._timestep_s
+        positions = _cubic(np.arange(self._steps_per_tick + 1) / self._steps_per_tick, last, target)
+        for position, speed in zip(positions, np.diff(positions, axis=0) / self._timestep_s, strict=False):
+            self._world.joints_rad[:] = position
+            change = speed - self._world.joint_speeds_rad_s
+            self._world.torque[:] = PRESCRIBED_INERTIA * change / self._timestep_s
             self._advance(1)
         self._target = target
 
@@ -144,7 +151,7 @@ class SimulatedLab:
         self._steps = step
 
     def _expose(self) -> None:
-        exposure = _Exposure(self._steps * self._timestep_s, self._world.hand(), self._world.block())
+        exposure = _Exposure(1e-9 * self._now_ns(), self._world.hand(), self._world.block())
         frame = self._cameras.expose(len(self._exposures), exposure.time_s, exposure.hand, exposure.block)
         self._exposures.append(exposure)
         self._frames.append(frame)
@@ -152,7 +159,7 @@ class SimulatedLab:
 
 @dataclass(frozen=True, slots=True)
 class _Exposure:
-    """True poses at one instant: each a position (3,) and a rotation matrix (3, 3) in the base frame."""
+    """True poses at one instant of the host's clock: each a position (3,) and a matrix (3, 3) in the base frame."""
 
     time_s: float
     hand: tuple[FloatArray, FloatArray]
@@ -169,9 +176,7 @@ def _series(exposures: list[_Exposure], poses: list[tuple[FloatArray, FloatArray
     )
 
 
-def _cubic(
-    share: FloatArray, start: tuple[FloatArray, FloatArray], end: tuple[FloatArray, FloatArray]
-) -> tuple[FloatArray, FloatArray]:
-    """Positions and speeds (K, 7) at shares (K,) of a tick between two joint states."""
+def _cubic(share: FloatArray, start: tuple[FloatArray, FloatArray], end: tuple[FloatArray, FloatArray]) -> FloatArray:
+    """Positions (K, 7) at shares (K,) of a tick between two joint states, each angles and speeds."""
     spline = CubicHermiteSpline([0.0, TICK_S], np.array([start[0], end[0]]), np.array([start[1], end[1]]))
-    return spline(share * TICK_S), spline(share * TICK_S, 1)
+    return np.asarray(spline(share * TICK_S))

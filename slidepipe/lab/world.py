@@ -23,7 +23,7 @@ PRESCRIBED_INERTIA = 1e6
 
 @dataclass(frozen=True, slots=True)
 class ContactSettings:
-    """MuJoCo's soft contact: time step, ``solref`` time constant, and friction-to-normal impedance ratio."""
+    """MuJoCo's soft contact: time step, normal ``solref`` time constant, friction-to-normal impedance ratio."""
 
     timestep_s: float
     solref_s: float
@@ -187,4 +187,7 @@ def _add_contact(spec: mujoco.MjSpec, finger: str, settings: WorldSettings) -> N
     pair = spec.add_pair(name=finger, geomname1=finger, geomname2=BLOCK, condim=4)
     pair.friction = [mu, mu, mu * settings.rho_m, 0.0, 0.0]
     pair.solref = [settings.contact.solref_s, 1.0]
+    # As stiff as the time step allows: MuJoCo leaves the turning of the arm (J' q') out of the contact's acceleration, and
+    # a stuck block creeps by that times this time constant.
+    pair.solreffriction = [2.0 * settings.contact.timestep_s, 1.0]
     pair.solimp = [0.99, 0.99, 0.001, 0.5, 2.0]

@@ -101,7 +101,7 @@ def _loop(request: CampaignRequest, experiment: Experiment, first: plan.PlanResu
         told = trials[-1].estimate
         if told.document.lost is not None:
             return _Outcome(
-                tuple(trials), converged=False, stopped_because=f"the object was lost: {told.document.lost}"
+                tuple(trials), converged=False, stopped_because=told.document.lost
             )
         if told.document.final_relative_pose and iterate.within_tolerance(
             told.document.final_relative_pose, experiment

@@ -82,7 +82,7 @@ def run(request: ExecuteRequest) -> ExecuteResult:
         lab, execution = _record(draft, plan_run, plan, experiment, _true_start(plan, request.store))
         recording = read_recording(draft.path("trial.mcap"))
         document = _trial(recording, execution, plan_run.id, experiment)
-        truth = _truth(lab.truth(), document.outcome, experiment)
+        truth = _truth(lab.truth(), document, experiment)
         _write(draft, document, truth, lab.truth())
     return ExecuteResult(draft.run, document, truth)
 
@@ -182,8 +182,8 @@ def _tracking(recording: Recording, execution: Execution, experiment: Experiment
     )
 
 
-def _truth(truth: Truth, outcome: Outcome, experiment: Experiment) -> TruthDocument:
-    time_s = 1e-9 * truth.hand.stamp_ns
+def _truth(truth: Truth, trial: TrialDocument, experiment: Experiment) -> TruthDocument:
+    time_s = 1e-9 * (truth.hand.stamp_ns - trial.started_ns)
     rate = np.diff(truth.r_f_b, axis=0) / np.diff(time_s)[:, None]
     speed = np.hypot(np.hypot(rate[:, 0], rate[:, 1]), rate[:, 2] * experiment.grasp.rho_m)
     sliding = np.flatnonzero(speed > SLIDES_ABOVE_M_S)
@@ -196,7 +196,7 @@ def _truth(truth: Truth, outcome: Outcome, experiment: Experiment) -> TruthDocum
         final_relative_pose=Pose.of(truth.r_f_b[-1]),
         slide_start_s=float(time_s[sliding[0]]) if len(sliding) else None,
         slide_stop_s=float(time_s[sliding[-1] + 1]) if len(sliding) else None,
-        outcome=outcome,
+        outcome=trial.outcome,
     )
 
 

@@ -87,7 +87,7 @@ class _View:
         return SlidingPanel(
             title=self._title,
             time_s=self._time_s,
-            planned=relative_pose(self._object, self._hand),
+            planned=self._planned(),
             raw_time_s=raw_time_s[raw_shown],
             raw=raw[raw_shown],
             smoothed_time_s=time_s[shown],
@@ -99,6 +99,13 @@ class _View:
             angle_tolerance_rad=tolerance.angle_rad,
             truth_time_s=true_time_s[true_shown],
         )
+
+    def _planned(self) -> FloatArray:
+        """Planned relative pose, its angle counted so that it ends at the goal's."""
+        planned = relative_pose(self._object, self._hand)
+        planned[:, 2] = np.unwrap(planned[:, 2])
+        turns = np.round((self._experiment.goal.relative_pose.theta_rad - planned[-1, 2]) / (2 * np.pi))
+        return planned + np.array([0.0, 0.0, 2 * np.pi * turns])
 
     def _raw(self) -> tuple[IntArray, FloatArray]:
         """Relative poses of the frames in which both bodies were seen."""

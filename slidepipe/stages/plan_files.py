@@ -21,6 +21,8 @@ from slidepipe.stages.translate import motion_plane
 PLAN, REFERENCE, EXPERIMENT = "plan", "reference", "experiment"
 """Roles of a plan's files."""
 REFERENCE_FILE = "reference.mcap"
+ANGLE_STEP_RAD, SPEED_STEP_RAD_S, TORQUE_STEP_N_M = 2.0**-26, 2.0**-20, 2.0**-10
+"""A reference is rounded to what no drive could tell apart, which halves the size of every recording of it."""
 REFERENCE_JOINTS, REFERENCE_HAND, REFERENCE_OBJECT = "/reference/joints", "/reference/hand", "/reference/object"
 
 
@@ -89,9 +91,9 @@ def _reference(plan: Plan, plane: MotionPlane) -> Series:
         joints={
             REFERENCE_JOINTS: JointSeries(
                 stamp_ns=stamps,
-                position_rad=plan.joints.position_rad,
-                velocity_rad_s=plan.joints.velocity_rad_s,
-                effort_n_m=plan.load.feedforward_n_m,
+                position_rad=_rounded(plan.joints.position_rad, ANGLE_STEP_RAD),
+                velocity_rad_s=_rounded(plan.joints.velocity_rad_s, SPEED_STEP_RAD_S),
+                effort_n_m=_rounded(plan.load.feedforward_n_m, TORQUE_STEP_N_M),
             )
         },
         poses={
@@ -99,6 +101,10 @@ def _reference(plan: Plan, plane: MotionPlane) -> Series:
             REFERENCE_OBJECT: _in_space(stamps, plan.motion.q_o, plane),
         },
     )
+
+
+def _rounded(values: FloatArray, step: float) -> FloatArray:
+    return np.asarray(np.round(values / step) * step)
 
 
 def _in_space(stamps: IntArray, poses: FloatArray, plane: MotionPlane) -> PoseSeries:

@@ -8,9 +8,9 @@ from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import pytest
-import samples
 from click.testing import CliRunner, Result
 
+from cli import samples
 from slidepipe.artifacts.run import Run
 from slidepipe.artifacts.schema import Artifact, dump_model
 from slidepipe.cli.main import cli

@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import samples
 
-from slidepipe.artifacts.run import Run
+from cli import samples
 from slidepipe.artifacts.store import Store
 from slidepipe.cli import render
 
@@ -174,7 +173,7 @@ def test_list_of_nothing(call) -> None:
 
 
 def test_show(call, publish) -> None:
-    run: Run = publish(samples.plan_run(), plan=samples.plan())
+    run = publish(samples.plan_run(), plan=samples.plan())
     told = json.loads(call("show", "@latest", "--json").stdout)
     assert list(told) == ["schema", "run", "directory", "manifest", "documents"]
     assert told["schema"] == "slidepipe.run_view/1"

@@ -6,7 +6,17 @@ from rich.table import Table
 from slidepipe.artifacts.campaign import CampaignDocument, CampaignRow
 from slidepipe.artifacts.run import Run
 from slidepipe.artifacts.values import Planar
-from slidepipe.cli.views.tables import NONE, angle_mrad, columns, heading, interval, length_mm, near, planar
+from slidepipe.cli.views.tables import (
+    NONE,
+    angle_mrad,
+    columns,
+    friction,
+    friction_interval,
+    heading,
+    length_mm,
+    near,
+    planar,
+)
 
 _NUMBERS = ("trial", "x\nmm", "y\nmm", "theta\nmrad", "error\nmm", "error\nmrad", "mu")
 
@@ -35,7 +45,7 @@ def verdict(campaign: CampaignDocument) -> str:
 
 def _add(table: Table, row: CampaignRow) -> None:
     planned = row.planned_relative_pose.vector
-    table.add_row(str(row.trial), "planned, believed", *planar(planned), "", "", _friction(row.believed_friction), "")
+    table.add_row(str(row.trial), "planned, believed", *planar(planned), "", "", friction(row.believed_friction), "")
     reached = row.reached_relative_pose
     simulated = row.true_relative_pose is not None or row.true_friction is not None
     table.add_row(
@@ -43,8 +53,8 @@ def _add(table: Table, row: CampaignRow) -> None:
         "lost" if row.outcome == "lost" else "reached, estimated",
         *_pose(reached.vector if reached else None, planned),
         *_error(row.error_m, row.error_rad),
-        _friction(row.estimated_friction),
-        interval(row.estimated_friction_interval_95),
+        friction(row.estimated_friction),
+        friction_interval(row.estimated_friction_interval_95),
         end_section=not simulated,
     )
     if simulated:
@@ -54,7 +64,7 @@ def _add(table: Table, row: CampaignRow) -> None:
             "true",
             *_pose(true.vector if true else None, planned),
             *_error(row.true_error_m, row.true_error_rad),
-            _friction(row.true_friction),
+            friction(row.true_friction),
             "",
             end_section=True,
         )
@@ -69,7 +79,3 @@ def _error(error_m: float | None, error_rad: float | None) -> tuple[str, str]:
         NONE if error_m is None else length_mm(error_m),
         NONE if error_rad is None else angle_mrad(error_rad),
     )
-
-
-def _friction(value: float | None) -> str:
-    return NONE if value is None else f"{value:.4f}"

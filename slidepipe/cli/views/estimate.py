@@ -12,6 +12,8 @@ from slidepipe.cli.views.tables import (
     columns,
     facts,
     fixed,
+    friction,
+    friction_interval,
     heading,
     interval,
     length_mm,
@@ -64,8 +66,8 @@ def _friction(estimate: EstimateDocument) -> list[tuple[str, str]]:
     force, mass = number(taken.normal_force_n, "N"), number(1e3 * taken.mass_kg, "g")
     ends = interval(kappa.interval_95, "m/s²")
     return [
-        ("kappa = mu f_N / m", f"{number(kappa.value)} ± {number(kappa.std, 'm/s²')}, 95 % interval {ends}"),
-        ("mu", f"{mu.value:.4f}, 95 % interval {interval(mu.interval_95)}"),
+        ("kappa = mu f_N / m", f"{number(kappa.value)} ± {kappa.std:.2g} m/s², 95 % interval {ends}"),
+        ("mu", f"{friction(mu.value)}, 95 % interval {friction_interval(mu.interval_95)}"),
         ("assumed for mu", f"f_N {force}, mass {mass}, rho {length_mm(taken.rho_m)} mm"),
     ]
 

@@ -64,7 +64,7 @@ def number(value: float | None, unit: str = "1") -> str:
 
     Examples
     --------
-    >>> number(0.00012345, "m"), number(0.5), number(None)
+    >>> number(0.00012346, "m"), number(0.5), number(None)
     ('0.0001235 m', '0.5', '-')
     """
     if value is None:
@@ -72,12 +72,25 @@ def number(value: float | None, unit: str = "1") -> str:
     return f"{value:.4g}" if unit in BARE else f"{value:.4g} {unit}"
 
 
-def interval(ends: tuple[float, float] | None, unit: str = "1") -> str:
-    """Return both ends of an interval, and the unit, if it has one."""
-    if ends is None:
-        return NONE
-    text = f"[{ends[0]:.4g}, {ends[1]:.4g}]"
-    return text if unit in BARE else f"{text} {unit}"
+def interval(ends: tuple[float, float], unit: str) -> str:
+    """Both ends of an interval, and the unit."""
+    return f"[{ends[0]:.4g}, {ends[1]:.4g}] {unit}"
+
+
+def friction(value: float | None) -> str:
+    """Coefficient of friction."""
+    return NONE if value is None else fixed(value, 4)
+
+
+def friction_interval(ends: tuple[float, float] | None) -> str:
+    """Both ends of an interval of the coefficient of friction.
+
+    Examples
+    --------
+    >>> friction_interval((0.4156, 0.434))
+    '[0.4156, 0.4340]'
+    """
+    return NONE if ends is None else f"[{fixed(ends[0], 4)}, {fixed(ends[1], 4)}]"
 
 
 def planar(vector: Planar) -> tuple[str, str, str]:

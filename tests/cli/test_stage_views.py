@@ -1,47 +1,12 @@
-"""What a person reads, to the letter."""
+"""What a person reads of each stage, to the letter."""
 
 import re
-from pathlib import Path
 
 import pytest
-import samples
 
+from cli import samples
+from cli.expected import PLAN
 from slidepipe.artifacts.values import Pose
-
-PLAN = """\
-plan 20261124T093012Z-k3f9q2aw  regrasp, trial 1
-reason                          first plan of the experiment
-believed                        mu 0.3800, kappa 20.65 m/s², rho 10.44 mm
-object at the start of sliding  x -0.230 m/s, y 0.375 m/s, theta 0.000 rad/s
-
-pose                            x mm    y mm  theta mrad
-────────────────────────────────────────────────────────
-finger on the object, before  -10.00  -20.00      3141.6
-finger on the object, after    10.00   20.00      3141.6
-hand in the plane, before     -10.00  -20.00      3141.6
-hand in the plane, after       10.00   20.00      3141.6
-
-phase       from s   to s  x m/s²  y m/s²  theta rad/s²  acceleration of
-─────────────────────────────────────────────────────────────────────────────────
-stick        0.000  0.300  -0.765   1.250         0.000  the object in the plane
-slide        0.300  0.460       -       -             -  the object in the plane
-  starting   0.300  0.380   3.125   6.250         0.000  the finger on the object
-  braking    0.380  0.460  -3.125  -6.250         0.000  the finger on the object
-settle       0.460  1.260   0.500  -2.000         0.000  the object in the plane
-
-limit                                                         reached    bound  used   at s
-───────────────────────────────────────────────────────────────────────────────────────────
-share of the friction used while sticking before the slide     0.8123        1  81 %  0.298
-hand speed                                                  1.235 m/s    3 m/s  41 %  0.380
-elbow speed                                                   0.5 m/s  2.5 m/s  20 %  0.400
-joint 7 torque                                                  7 N m   10 N m  70 %  0.300
-joint 6 torque                                                  6 N m   10 N m  60 %  0.300
-joint 5 torque                                                  5 N m   10 N m  50 %  0.300
-joint 4 torque                                                  4 N m   10 N m  40 %  0.300
-joint 3 torque                                                  3 N m   10 N m  30 %  0.300
-
-data/runs/2026-11-24/20261124T093012Z-k3f9q2aw/plan.yaml
-"""
 
 TRIAL = """\
 trial 20261124T093015Z-m0x7c4td  simulated lab, seed 7
@@ -96,59 +61,6 @@ trial  finger on the object     mm     mm    mrad     mm   mrad      mu  interva
 converged: within tolerance after 2 trials
 data/runs/2026-11-24/20261124T093010Z-7jw2e5rb/tracking.png
 data/runs/2026-11-24/20261124T093010Z-7jw2e5rb/sliding.png
-"""
-
-LIST = """\
-run                        stage    experiment  state     seed  results
-────────────────────────────────────────────────────────────────────────────────────────────────────
-20261124T093012Z-k3f9q2aw  plan     regrasp     complete     -  peak_hand_speed 1.235 m/s,
-                                                                stick_load 0.8123
-20261124T093015Z-m0x7c4td  execute  regrasp     failed       7
-"""
-
-MANIFEST = """\
-run 20261124T093012Z-k3f9q2aw
-stage       plan (version 1)
-experiment  regrasp
-state       complete
-started     2026-11-24T09:30:12.000000Z
-finished    2026-11-24T09:30:14.500000Z
-seed        -
-code        slidepipe 0.1.0, commit 7deb79600000
-recipe      5e5e5e5e5e5e5e5e
-command     slidepipe plan experiments/regrasp.yaml
-directory   data/runs/2026-11-24/20261124T093012Z-k3f9q2aw
-
-input       from                        size  sha256
-──────────────────────────────────────────────────────────────
-experiment  experiments/regrasp.yaml  2.5 kB  abababababababab
-
-output     file                size  sha256
-─────────────────────────────────────────────────────
-plan       plan.yaml         3.1 kB  cdcdcdcdcdcdcdcd
-reference  reference.mcap  203.4 kB  efefefefefefefef
-
-result             value   std  unit
-────────────────────────────────────
-peak_hand_speed    1.235     -  m/s
-stick_load        0.8123     -
-peak_elbow_speed     0.5  0.01  m/s
-
-"""
-
-FAILED = """\
-run 20261124T093015Z-m0x7c4td
-stage       execute (version 1)
-experiment  regrasp
-state       failed
-error       LabError: joint 4: is 0.3 rad away from its command
-started     2026-11-24T09:30:15.000000Z
-finished    2026-11-24T09:30:16.000000Z
-seed        7
-code        slidepipe 0.1.0, no commit known, changed or not: not known
-recipe      5e5e5e5e5e5e5e5e
-command     slidepipe execute
-directory   data/runs/2026-11-24/20261124T093015Z-m0x7c4td
 """
 
 
@@ -285,87 +197,6 @@ def test_lost_trial_in_a_campaign_and_no_number_is_cut(call, stages) -> None:
     assert lost.split() == ["lost", *("-" * 7)]
     assert true.split()[:3] == ["true", "-98765432.10", "-1234500.00"]
     assert "…" not in true
-
-
-def test_list(call, publish) -> None:
-    publish(samples.plan_run())
-    publish(samples.failed_run())
-    result = call("ls")
-    assert (result.exit_code, result.stderr) == (0, "")
-    assert result.stdout == LIST
-
-
-@pytest.mark.parametrize(
-    ("arguments", "ids"),
-    [
-        (["--stage", "execute"], [samples.TRIAL]),
-        (["--experiment", "regrasp"], [samples.PLAN, samples.TRIAL]),
-        (["--experiment", "regrasp", "--stage", "plan"], [samples.PLAN]),
-    ],
-)
-def test_filtered_list(call, publish, arguments: list[str], ids: list[str]) -> None:
-    publish(samples.plan_run())
-    publish(samples.failed_run())
-    lines = call("ls", *arguments).stdout.splitlines()[2:]
-    assert [line.split()[0] for line in lines if line.startswith("2")] == ids
-
-
-def test_empty_list(call, publish) -> None:
-    assert (call("ls").stdout, call("ls").stderr) == ("", "no runs in data\n")
-    publish(samples.plan_run())
-    result = call("ls", "--experiment", "other")
-    assert (result.exit_code, result.stdout, result.stderr) == (0, "", "no such runs\n")
-
-
-def test_list_with_a_damaged_run(call, publish, tmp_path: Path) -> None:
-    publish(samples.plan_run())
-    damaged = publish(samples.failed_run())
-    (tmp_path / damaged.directory / "run.yaml").write_text("schema: slidepipe.run/1\nrun: 5\n")
-    result = call("ls")
-    assert result.exit_code == 5
-    assert samples.PLAN in result.stdout
-    assert result.stderr.startswith(f"error: {damaged.directory}/run.yaml:")
-    assert result.stderr.count("\n") == 1
-
-
-def test_show_the_manifest_and_then_what_the_stage_said(call, publish) -> None:
-    publish(samples.plan_run(), plan=samples.plan())
-    for reference in (samples.PLAN, "20261124T09", "k3f9", "@latest", "@latest:plan"):
-        result = call("show", reference)
-        assert (result.exit_code, result.stderr) == (0, "")
-        assert result.stdout == MANIFEST + PLAN
-
-
-def test_show_a_failed_run(call, publish) -> None:
-    publish(samples.failed_run())
-    result = call("show", "@latest")
-    assert (result.exit_code, result.stdout) == (0, FAILED)
-
-
-@pytest.mark.parametrize(
-    ("stage", "documents", "words"),
-    [
-        ("execute", {"trial": samples.trial(), "truth": samples.truth()}, ["tracking error", "true friction"]),
-        ("estimate", {"estimate": samples.estimate()}, ["95 % interval [0.4214, 0.4287]"]),
-        ("campaign", {"campaign": samples.campaign(samples.row(1))}, ["converged: within tolerance", "tracking.png"]),
-    ],
-)
-def test_show_each_stage(call, publish, stage: str, documents, words: list[str]) -> None:
-    outputs = [samples.output(name, f"{name}.yaml") for name in documents]
-    publish(samples.run(samples.TRIAL, stage, outputs=tuple(outputs)), **documents)
-    result = call("show", "@latest")
-    assert (result.exit_code, result.stderr) == (0, "")
-    assert [word for word in words if word not in result.stdout] == []
-
-
-@pytest.mark.parametrize("text", [None, "schema: slidepipe.plan/1\n"])
-def test_show_a_run_whose_document_is_damaged(call, publish, tmp_path: Path, text: str | None) -> None:
-    run = publish(samples.plan_run())
-    if text is not None:
-        (tmp_path / run.directory / "plan.yaml").write_text(text)
-    result = call("show", "@latest")
-    assert (result.exit_code, result.stdout) == (5, "")
-    assert result.stderr.startswith(f"error: {run.directory}/plan.yaml:")
 
 
 def test_everything_fits(call, publish) -> None:
