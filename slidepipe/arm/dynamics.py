@@ -7,7 +7,7 @@ import numpy as np
 
 from slidepipe.arm import wam
 from slidepipe.arm.inverse_kinematics import JointPath
-from slidepipe.arm.model import ELBOW, HAND
+from slidepipe.arm.model import ELBOW
 from slidepipe.series import FloatArray
 
 FRICTION_SPEED_RAD_S = 0.02
@@ -24,13 +24,12 @@ class ArmLoad:
         Inverse dynamics of the nominal arm with its joint friction, gravity included.
     feedforward_n_m : (T, 7)
         The part beyond gravity, taken in the middle of the tick that follows, over which it is held.
-    hand_speed_m_s, elbow_speed_m_s : (T,)
-        Speed of {f}, and of the point past the elbow where the vendor's safety module measures.
+    elbow_speed_m_s : (T,)
+        Speed of the point past the elbow where the vendor's safety module measures.
     """
 
     torque_n_m: FloatArray
     feedforward_n_m: FloatArray
-    hand_speed_m_s: FloatArray
     elbow_speed_m_s: FloatArray
 
 
@@ -45,7 +44,7 @@ def arm_load(model: mujoco.MjModel, path: JointPath) -> ArmLoad:
     middle = _inverse_dynamics(model, data, middle_q, middle_dq, ddq) + _friction(middle_dq)
     feedforward = middle - _inverse_dynamics(model, data, middle_q, still, still)
     feedforward[-1] = 0.0
-    return ArmLoad(torque, feedforward, *_speeds(model, data, q, dq))
+    return ArmLoad(torque, feedforward, _elbow_speed(model, data, q, dq))
 
 
 def _inverse_dynamics(
@@ -64,14 +63,13 @@ def _friction(dq: FloatArray) -> FloatArray:
     return np.asarray(dry + np.array(wam.VISCOUS_FRICTION) * dq)
 
 
-def _speeds(model: mujoco.MjModel, data: mujoco.MjData, q: FloatArray, dq: FloatArray) -> tuple[FloatArray, FloatArray]:
-    jacobian = np.empty((3, model.nv))
-    speeds = np.empty((2, len(q)))
+def _elbow_speed(model: mujoco.MjModel, data: mujoco.MjData, q: FloatArray, dq: FloatArray) -> FloatArray:
+    jacobian, site = np.empty((3, model.nv)), model.site(ELBOW).id
+    speed = np.empty(len(q))
     for index in range(len(q)):
         data.qpos[:] = q[index]
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
-        for row, name in enumerate((HAND, ELBOW)):
-            mujoco.mj_jacSite(model, data, jacobian, None, model.site(name).id)
-            speeds[row, index] = np.linalg.norm(jacobian @ dq[index])
-    return speeds[0], speeds[1]
+        mujoco.mj_jacSite(model, data, jacobian, None, site)
+        speed[index] = np.linalg.norm(jacobian @ dq[index])
+    return speed

@@ -87,9 +87,7 @@ class InverseKinematics:
 
     def _descend(self, tasks: list[mink.Task], constraints: list[mink.Task]) -> None:
         for _ in range(MAX_STEPS):
-            step = mink.solve_ik(
-                self._configuration, tasks, 1.0, "daqp", limits=self._limits, constraints=constraints
-            )
+            step = mink.solve_ik(self._configuration, tasks, 1.0, "daqp", limits=self._limits, constraints=constraints)
             self._configuration.integrate_inplace(step, 1.0)
             if np.max(np.abs(step)) < STEP_TOLERANCE_RAD:
                 break

@@ -57,7 +57,7 @@ def nominal_model(tool: Tool) -> mujoco.MjModel:
     side = 0.03
     moment = wam.GRIPPER_MASS_KG * side**2
     load = spec.body(FLANGE).add_body(name="load", pos=[0.0, 0.0, tool.length_m / 2])
-    load.mass = wam.GRIPPER_MASS_KG
+    load.mass, load.ipos = wam.GRIPPER_MASS_KG, [0.0, 0.0, 0.0]
     load.inertia = [moment, moment, moment]
     load.explicitinertial = True
     return spec.compile()

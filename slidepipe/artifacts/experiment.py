@@ -13,7 +13,10 @@ from slidepipe.artifacts.overrides import apply_overrides
 from slidepipe.artifacts.schema import Artifact, Record, parse
 from slidepipe.artifacts.strict_yaml import load
 from slidepipe.artifacts.values import Friction, Pose, Positive, Slug
+from slidepipe.tick import TICK_S
 
+TICK_TOLERANCE = 1e-6
+"""How far from a whole number of ticks a time may be, in ticks."""
 Length = Annotated[float, Field(gt=0.0, le=2.0)]
 Duration = Annotated[float, Field(gt=0.0, le=60.0)]
 
@@ -125,13 +128,29 @@ class Experiment(Artifact):
         return self.lab.friction * force_n / self.object.mass_kg
 
     def faults(self) -> Iterator[Fault]:
-        """Contact points beside the object, and a goal that asks for nothing."""
+        """Contact points beside the object, a goal that asks for nothing, and times off the control loop's beat."""
         for name in ("start", "goal"):
             pose = getattr(self, name).relative_pose
             yield from self._beside(name, "x_m", pose.x_m, "size_x_m")
             yield from self._beside(name, "y_m", pose.y_m, "size_y_m")
         if self.start.relative_pose == self.goal.relative_pose:
             yield Fault(("goal", "relative_pose"), "must differ from start.relative_pose: there is nothing to slide")
+
+        for name, ticks in (("stick_s", 1), ("slide_s", 2), ("settle_s", 1)):
+            yield from self._off_beat(name, ticks * TICK_S)
+        yield from self._uneven_steps()
+
+    def _off_beat(self, name: str, beat_s: float) -> Iterator[Fault]:
+        value = getattr(self.motion, name)
+        if abs(value / beat_s - round(value / beat_s)) > TICK_TOLERANCE:
+            yield Fault(("motion", name), f"must be a multiple of {beat_s:g} s of the control loop, got {value!r}")
+
+    def _uneven_steps(self) -> Iterator[Fault]:
+        value = self.lab.contact.timestep_s
+        if abs(TICK_S / value - round(TICK_S / value)) > TICK_TOLERANCE:
+            yield Fault(
+                ("lab", "contact", "timestep_s"), f"must divide the control loop's {TICK_S:g} s evenly, got {value!r}"
+            )
 
     def _beside(self, name: str, axis: str, value: float, side: str) -> Iterator[Fault]:
         half = getattr(self.object, side) / 2

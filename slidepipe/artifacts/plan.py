@@ -9,7 +9,7 @@ from slidepipe.artifacts.values import Friction, NotNegative, Planar, Pose, Posi
 
 
 class Belief(Record):
-    """What the planner took for true: mu, mu f_N / m, and c a; ``friction_std`` is null where nobody has measured it."""
+    """What the planner took for true: mu, mu f_N / m, and c a; ``friction_std`` is null where nobody measured it."""
 
     friction: Friction
     friction_std: NotNegative | None

@@ -17,6 +17,8 @@ from slidepipe.artifacts.schema import Artifact, dump_model, parse
 from slidepipe.artifacts.strict_yaml import load
 from slidepipe.errors import InputError, NotFoundError, StoreError
 
+_ENDED = (RunState.COMPLETE, RunState.LOST)
+
 
 class StoreDocument(Artifact):
     """What is written as ``store.yaml``: the version of the layout."""
@@ -115,8 +117,8 @@ class Store:
         Parameters
         ----------
         reference : str
-            A run id or the beginning of one (of its random part, too), ``@latest``, ``@latest:STAGE``, or the path of a
-            run's directory.
+            A run id or the beginning of one (of its random part, too), the path of a run's directory, ``@latest``, or
+            ``@latest:STAGE`` for the latest of a stage that ran to its end.
 
         Raises
         ------
@@ -152,7 +154,7 @@ class Store:
         name, _, stage = reference.partition(":")
         if name != "@latest":
             raise NotFoundError(f"run {reference}: unknown reference, there are @latest and @latest:STAGE")
-        runs = self.runs(stage=stage or None)
+        runs = [run for run in self.runs(stage=stage or None) if not stage or run.manifest.state in _ENDED]
         if not runs:
             raise NotFoundError(f"run {reference}: there is none in {self.root}")
         return runs[-1]

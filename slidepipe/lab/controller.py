@@ -5,8 +5,9 @@ import numpy as np
 
 from slidepipe.arm import wam
 from slidepipe.arm.model import Tool, nominal_model
-from slidepipe.lab.protocols import TICK_S, JointCommand
+from slidepipe.lab.protocols import JointCommand
 from slidepipe.series import FloatArray
+from slidepipe.tick import TICK_S
 
 ENCODER_RAD = 2.0**-15
 """Resolution of the joint angle: about 4096 counts a turn of the motor behind a reduction of 42."""

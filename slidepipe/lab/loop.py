@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slidepipe.lab.protocols import TICK_S, Arm, JointCommand, JointState, MotionCapture, Recorder
+from slidepipe.lab.protocols import Arm, JointCommand, JointState, MotionCapture, Recorder
 from slidepipe.series import FloatArray, JointSeries
+from slidepipe.tick import TICK_S
 
 REST_S = 0.5
 """How long the arm holds before and after the motion, so that the cameras see both grips at rest."""

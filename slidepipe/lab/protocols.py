@@ -7,10 +7,6 @@ import numpy as np
 
 from slidepipe.series import FloatArray
 
-TICK_S = 0.002
-"""Period of the vendor's control loop, s."""
-TICK_NS = 2_000_000
-
 
 @dataclass(frozen=True, slots=True)
 class JointCommand:

@@ -10,11 +10,11 @@ from scipy.spatial.transform import Rotation
 
 from slidepipe.lab.cameras import TICKS_PER_S, Cameras, CameraSettings
 from slidepipe.lab.controller import JointController, read_encoders, to_drive
-from slidepipe.lab.protocols import TICK_S, ClockExchange, JointCommand, JointState, MocapFrame
+from slidepipe.lab.protocols import ClockExchange, JointCommand, JointState, MocapFrame
 from slidepipe.lab.world import PRESCRIBED_INERTIA, World, WorldSettings
 from slidepipe.mechanics.planar import relative_pose
 from slidepipe.series import FloatArray, PoseSeries
-
+from slidepipe.tick import TICK_S
 
 HOST_START_NS = 1_000_000_000
 """The virtual host's clock when the world begins: no stamp is ever before its zero."""
@@ -130,7 +130,7 @@ class SimulatedLab:
         """
         last, target = self._target, (command.position_rad, command.velocity_rad_s)
         positions = _cubic(np.arange(self._steps_per_tick + 1) / self._steps_per_tick, last, target)
-        for position, speed in zip(positions, np.diff(positions, axis=0) / self._timestep_s, strict=False):
+        for position, speed in zip(positions[:-1], np.diff(positions, axis=0) / self._timestep_s, strict=True):
             self._world.joints_rad[:] = position
             change = speed - self._world.joint_speeds_rad_s
             self._world.torque[:] = PRESCRIBED_INERTIA * change / self._timestep_s

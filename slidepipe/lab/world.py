@@ -155,6 +155,7 @@ def _add_gripper(spec: mujoco.MjSpec, settings: WorldSettings) -> None:
     length = settings.tool.length_m
     frame = spec.body(FLANGE).add_body(name="gripper", pos=[0.0, 0.0, length / 2])
     frame.mass = wam.GRIPPER_MASS_KG - settings.block_mass_kg - 2 * FINGER_MASS_KG
+    frame.ipos = [0.0, 0.0, 0.0]
     frame.inertia = [frame.mass * 0.03**2] * 3
     frame.explicitinertial = True
     reach = settings.block_size_m[2] / 2 + FINGER_RADIUS_M
@@ -187,7 +188,7 @@ def _add_contact(spec: mujoco.MjSpec, finger: str, settings: WorldSettings) -> N
     pair = spec.add_pair(name=finger, geomname1=finger, geomname2=BLOCK, condim=4)
     pair.friction = [mu, mu, mu * settings.rho_m, 0.0, 0.0]
     pair.solref = [settings.contact.solref_s, 1.0]
-    # As stiff as the time step allows: MuJoCo leaves the turning of the arm (J' q') out of the contact's acceleration, and
-    # a stuck block creeps by that times this time constant.
+    # As stiff as the time step allows: MuJoCo leaves the turning of the arm (J' q') out of the contact's acceleration,
+    # and a stuck block creeps by that times this time constant.
     pair.solreffriction = [2.0 * settings.contact.timestep_s, 1.0]
     pair.solimp = [0.99, 0.99, 0.001, 0.5, 2.0]

@@ -96,6 +96,8 @@ class MotionPlane:
     def __post_init__(self) -> None:
         if np.shape(self.origin_m) != (3,) or not np.all(np.isfinite(self.origin_m)):
             raise InputError(f"motion plane: origin_m must be three finite numbers, got {self.origin_m!r}")
+        if not np.isfinite(self.heading_rad):
+            raise InputError(f"motion plane: heading_rad must be a finite number, got {self.heading_rad!r}")
 
     @property
     def axes(self) -> FloatArray:

@@ -63,7 +63,7 @@ class Check:
 
 
 def check_grasp(motion: Motion, regrasp: Regrasp, half_size_m: FloatArray, limits: Limits) -> list[Check]:
-    """Sticking in phases 1 and 3, the contact on the object's face, and the hand in its workspace."""
+    """Sticking in phases 1 and 3, the contact on the object's face, and the hand's workspace and speed."""
     time_s, (_, t_slide, _, t_settle, _) = motion.time_s, regrasp.boundaries
     first, last = time_s < t_slide, time_s >= t_settle
     from_centre = np.linalg.norm(motion.q_f[:, :2] - limits.workspace_centre_m, axis=1)
@@ -74,11 +74,12 @@ def check_grasp(motion: Motion, regrasp: Regrasp, half_size_m: FloatArray, limit
         _worst(f"{used} after the slide", time_s[last], motion.load[last], limits.stick_load, "of 1"),
         _worst("contact point from the middle of the face to its edge", time_s, share, 1.0, "of 1"),
         _worst("hand from the middle of the workspace", time_s, from_centre, limits.workspace_radius_m, "m"),
+        _worst("hand speed", time_s, np.linalg.norm(motion.dq_f[:, :2], axis=1), limits.tip_speed_m_s, "m/s"),
     ]
 
 
 def check_arm(path: JointPath, load: ArmLoad, limits: Limits) -> list[Check]:
-    """Joint ranges, speeds and torques, and the speeds of hand and elbow."""
+    """Joint ranges, speeds and torques, and the speed of the elbow."""
     lower, upper = np.array([link.range_rad for link in wam.LINKS]).T
     half = (upper - lower) / 2
     off_middle = np.abs(path.position_rad - (upper + lower) / 2)
@@ -94,7 +95,6 @@ def check_arm(path: JointPath, load: ArmLoad, limits: Limits) -> list[Check]:
         ]
     return [
         *checks,
-        _worst("hand speed", path.time_s, load.hand_speed_m_s, limits.tip_speed_m_s, "m/s"),
         _worst("elbow speed", path.time_s, load.elbow_speed_m_s, limits.elbow_speed_m_s, "m/s"),
     ]
 

@@ -14,9 +14,7 @@ from slidepipe.mechanics.planar import MotionPlane
 from slidepipe.planning.limits import Check, Limits, check_arm, check_grasp
 from slidepipe.planning.three_phase import Motion, Regrasp, ThreePhaseMotion
 from slidepipe.series import FloatArray
-
-TICK_S = 0.002
-"""Spacing of a reference: the arm's control period, s."""
+from slidepipe.tick import TICK_S
 
 
 @dataclass(frozen=True, slots=True)

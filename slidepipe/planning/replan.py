@@ -11,9 +11,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from slidepipe.errors import InfeasibleError
-from slidepipe.planning.planner import TICK_S, Plan, Setup, plan, stick_load
+from slidepipe.planning.planner import Plan, Setup, plan, stick_load
 from slidepipe.planning.three_phase import Regrasp
 from slidepipe.series import FloatArray
+from slidepipe.tick import TICK_S
 
 SHORTEST_SLIDE_S = 0.02
 """Ten ticks: the arm does not follow a shorter slide."""

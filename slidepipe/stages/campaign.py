@@ -100,9 +100,7 @@ def _loop(request: CampaignRequest, experiment: Experiment, first: plan.PlanResu
         trials.append(_run_trial(request, planned, len(trials) + 1))
         told = trials[-1].estimate
         if told.document.lost is not None:
-            return _Outcome(
-                tuple(trials), converged=False, stopped_because=told.document.lost
-            )
+            return _Outcome(tuple(trials), converged=False, stopped_because=told.document.lost)
         if told.document.final_relative_pose and iterate.within_tolerance(
             told.document.final_relative_pose, experiment
         ):

@@ -143,12 +143,15 @@ def _past(request: IterateRequest) -> _Past:
 
 
 def _believe(past: _Past, choice: str) -> _Belief:
-    """Take the more certain of the new estimate and the old belief; a block that stuck tells a lower bound."""
+    """Take the more certain of the new estimate and the old belief.
+
+    A block that did not slide tells a lower bound, which stands over a belief that nobody has measured.
+    """
     old = past.plan.believed
     kept = _Belief(old.friction, old.friction_std, "the belief before")
     if choice == "keep":
         return kept
-    if past.estimate.slide is None:
+    if past.estimate.slide is None and old.friction_std is None:
         return _Belief(_least_friction(past.plan, old), None, "the block's not sliding: at least this")
     told = past.estimate.friction
     if told is None:

@@ -105,7 +105,7 @@ class _View:
         planned = relative_pose(self._object, self._hand)
         planned[:, 2] = np.unwrap(planned[:, 2])
         turns = np.round((self._experiment.goal.relative_pose.theta_rad - planned[-1, 2]) / (2 * np.pi))
-        return planned + np.array([0.0, 0.0, 2 * np.pi * turns])
+        return np.asarray(planned + np.array([0.0, 0.0, 2 * np.pi * turns]))
 
     def _raw(self) -> tuple[IntArray, FloatArray]:
         """Relative poses of the frames in which both bodies were seen."""
@@ -130,4 +130,5 @@ def _seconds(stamp_ns: IntArray) -> FloatArray:
 
 
 def _planar(poses: PoseSeries, plane: MotionPlane) -> FloatArray:
-    return plane.project(poses.position_m, Rotation.from_quat(poses.quaternion_xyzw).as_matrix())
+    projected: FloatArray = plane.project(poses.position_m, Rotation.from_quat(poses.quaternion_xyzw).as_matrix())
+    return projected

@@ -48,7 +48,7 @@ def write_plan(draft: Draft, plan: Plan, experiment: Experiment, occasion: Occas
         write_series(writer, _reference(plan, motion_plane(experiment)))
     draft.report("believed_friction", occasion.friction, std=occasion.friction_std, unit="1")
     draft.report("duration", float(plan.motion.time_s[-1]), unit="s")
-    draft.report("peak_hand_speed", float(np.max(plan.load.hand_speed_m_s)), unit="m/s")
+    draft.report("peak_hand_speed", float(np.max(np.linalg.norm(plan.motion.dq_f[:, :2], axis=1))), unit="m/s")
     return document
 
 

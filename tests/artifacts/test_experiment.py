@@ -55,7 +55,7 @@ def test_any_numbers_come_back_exactly(experiment_path, friction, x_m, mass_kg):
         (", mass_kg: 0.023", "", "3:1: object.mass_kg: required key is missing"),
         ("radius_m: 0.5}", "radius_m: 0.5, colour: 1}",
          "14:62: workspace.colour: unknown key, allowed are centre_x_m, centre_y_m, radius_m"),
-        ("mass_kg: 0.023", "mass_kg: -0.023", "3:61: object.mass_kg: must be > 0, got -0.023"),
+        ("mass_kg: 0.023", "mass_kg: -0.023", "3:60: object.mass_kg: must be > 0, got -0.023"),
         ("{x_m: 0.01, y_m: 0.02, theta_rad: 3.141592653589793}\n  hand", "{x_m: 0.06, y_m: 0.02, theta_rad: 0}\n  hand",
          ("10:19: goal.relative_pose.x_m: the goal is outside the object, must be within -0.05 and 0.05 (half of "
          "object.size_x_m), got 0.06")),
@@ -64,6 +64,8 @@ def test_any_numbers_come_back_exactly(experiment_path, friction, x_m, mass_kg):
         ("x_m: -0.01, y_m: -0.02", "x_m: 0.01, y_m: 0.02",
          "10:3: goal.relative_pose: must differ from start.relative_pose: there is nothing to slide"),
         ("slide_s: 0.2", "slide_s: 0", "13:24: motion.slide_s: must be > 0, got 0"),
+        ("slide_s: 0.2", "slide_s: 0.2015", "13:24: motion.slide_s: must be a multiple of 0.004 s of the control loop, "
+         "got 0.2015"),
         ("friction: 0.38", "friction: 1e-05", "5:1: friction: must be >= 0.01, got 1e-05"),
         ("friction: 0.38", "friction: 38", "5:1: friction: must be <= 5, got 38"),
         ("friction: 0.38", "friction: 0.38\nfriction: 0.4", "6:1: friction: duplicate key, first given at line 5"),

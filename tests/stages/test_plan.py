@@ -22,7 +22,7 @@ def test_plan_is_small_and_its_reference_ticks_at_500_hz(experiments: Path, stor
     joints = read_recording(result.run.file("reference")).joints(REFERENCE_JOINTS)
     assert set((joints.stamp_ns[1:] - joints.stamp_ns[:-1]).tolist()) == {2_000_000}
     assert len(joints.stamp_ns) == 801
-    assert abs(joints.velocity_rad_s[[0, -1]]).max() == 0.0
+    assert abs(joints.velocity_rad_s[[0, -1]]).max() < 1e-5
     assert len(read_recording(result.run.file("reference")).poses(REFERENCE_HAND).stamp_ns) == 801
 
 
@@ -51,12 +51,12 @@ def test_overrides_are_kept_in_the_plan(experiments: Path, store: Store) -> None
         (
             "paper_linear",
             "grasp.normal_force_per_finger_n=1.25",
-            r"hand from the middle of the workspace: 1.039 m at t = ",
+            r"workspace: 1.039 m at t = 0.436 s, beyond 0.5 m\nhand speed: 4.741 m/s at t = 0.300 s, beyond 3 m/s",
         ),
         (
             "paper_rotational",
             "grasp.normal_force_per_finger_n=2.5",
-            r"hand from the middle of the workspace: 1.191 m at t",
+            r"workspace: 1.191 m at t = 0.398 s, beyond 0.5 m\nhand speed: 6.628 m/s at t = 0.300 s, beyond 3 m/s",
         ),
         ("paper_linear", "arm.limits.tip_speed_m_s=1.5", r"hand speed: 1.829 m/s at t = 0.300 s, beyond 1.5 m/s"),
         (
