@@ -11,7 +11,8 @@ from slidepipe.cli.session import Report, Session, note_reuse, plain
 
 @options.verb(
     "estimate",
-    "Estimate from a recorded trial where the finger ended on the object, and the friction.",
+    "Estimate from a recorded trial where the finger ended on the object, and the friction.\n\n"
+    "The trial is a run, or the path of a recording (a file that ends in .mcap).",
     example="slidepipe estimate @latest",
     exits={
         ExitCode.OK: "estimated",

@@ -9,12 +9,12 @@ from slidepipe.artifacts import estimate as records
 from slidepipe.artifacts.draft import Draft
 from slidepipe.artifacts.estimate import EstimateDocument
 from slidepipe.artifacts.experiment import Experiment
-from slidepipe.artifacts.manifest import RunState
+from slidepipe.artifacts.manifest import InputRef, RunState
 from slidepipe.artifacts.plan import PlanDocument
 from slidepipe.artifacts.recording_reader import PlanarSeries, Recording, read_recording
 from slidepipe.artifacts.recording_series import Series, write_series
 from slidepipe.artifacts.recording_writer import PROVENANCE, RecordingWriter
-from slidepipe.artifacts.run import Run
+from slidepipe.artifacts.run import Run, outside_input
 from slidepipe.artifacts.schema import dump_model, parse
 from slidepipe.artifacts.store import Store
 from slidepipe.artifacts.strict_yaml import load, loads
@@ -37,7 +37,7 @@ SMOOTHED_HAND, SMOOTHED_OBJECT, SMOOTHED_RELATIVE = "/smoothed/hand", "/smoothed
 
 @dataclass(frozen=True, slots=True)
 class EstimateRequest:
-    """Which trial to estimate; ``force`` estimates again what was estimated before."""
+    """Which trial to estimate: a run, or the path of a recording; ``force`` estimates it again."""
 
     trial: str
     store: Store
@@ -76,21 +76,21 @@ def run(request: EstimateRequest) -> EstimateResult:
     EstimationError
         It is too short or too empty for anything. A lost object is no error: the document says so.
     """
-    trial_run = request.store.get(request.trial)
+    source = _source(request)
     draft = request.store.draft(
         stage=STAGE,
         stage_version=STAGE_VERSION,
-        experiment=trial_run.manifest.experiment,
+        experiment=source.experiment,
         parameters={},
-        inputs=(trial_run.input(RECORDING),),
+        inputs=(source.input,),
         command=request.command,
     )
     known = None if request.force else request.store.find_recipe(draft.recipe)
     if known is not None:
         return EstimateResult(known, parse(EstimateDocument, load(known.file(ESTIMATE))), reused=True)
     with draft:
-        found = estimate_recording(trial_run.file(RECORDING))
-        document = _document(found, trial_run.id)
+        found = estimate_recording(source.path)
+        document = _document(found, source.trial)
         _write(draft, found, document)
     return EstimateResult(draft.run, document, reused=False)
 
@@ -117,9 +117,25 @@ def estimate_recording(path: Path) -> RecordedEstimate:
     return RecordedEstimate(estimate(request), experiment, plan, start_ns)
 
 
-def recorded_by(path: Path) -> str:
-    """Name of the run that made a recording."""
-    return read_recording(path).metadata.get(PROVENANCE, {}).get("run", "")
+@dataclass(frozen=True, slots=True)
+class _Source:
+    """A recording: where it lies, which run made it, for which experiment."""
+
+    path: Path
+    trial: str
+    experiment: str
+    input: InputRef
+
+
+def _source(request: EstimateRequest) -> _Source:
+    path = Path(request.trial)
+    if path.suffix == ".mcap":
+        provenance = read_recording(path).metadata.get(PROVENANCE, {})
+        if not {"run", "experiment"} <= provenance.keys():
+            raise InputError(f"{path}: does not say which run recorded it for which experiment: not a recorded trial")
+        return _Source(path, provenance["run"], provenance["experiment"], outside_input(RECORDING, path))
+    run = request.store.get(request.trial)
+    return _Source(run.file(RECORDING), run.id, run.manifest.experiment, run.input(RECORDING))
 
 
 def _text(recording: Recording, name: str) -> str:

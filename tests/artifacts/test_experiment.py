@@ -64,8 +64,8 @@ def test_any_numbers_come_back_exactly(experiment_path, friction, x_m, mass_kg):
         ("x_m: -0.01, y_m: -0.02", "x_m: 0.01, y_m: 0.02",
          "10:3: goal.relative_pose: must differ from start.relative_pose: there is nothing to slide"),
         ("slide_s: 0.2", "slide_s: 0", "13:24: motion.slide_s: must be > 0, got 0"),
-        ("slide_s: 0.2", "slide_s: 0.2015", "13:24: motion.slide_s: must be a multiple of 0.004 s of the control loop, "
-         "got 0.2015"),
+        ("slide_s: 0.2", "slide_s: 0.2015",
+         "13:24: motion.slide_s: must be a multiple of 0.004 s of the control loop, got 0.2015"),
         ("friction: 0.38", "friction: 1e-05", "5:1: friction: must be >= 0.01, got 1e-05"),
         ("friction: 0.38", "friction: 38", "5:1: friction: must be <= 5, got 38"),
         ("friction: 0.38", "friction: 0.38\nfriction: 0.4", "6:1: friction: duplicate key, first given at line 5"),

@@ -1,0 +1,94 @@
+"""What a person does wrong is told in one line, with exit code 3, and leaves nothing behind."""
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from slidepipe.cli.main import cli
+
+ROOT = Path(__file__).resolve().parents[1]
+RECORDED = ROOT / "data" / "recorded" / "linear-3800-seed103" / "trial.mcap"
+
+
+@pytest.fixture
+def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
+    monkeypatch.chdir(tmp_path)
+    return lambda *arguments: CliRunner().invoke(cli, list(arguments))
+
+
+def spoil(tmp_path: Path, old: str, new: str) -> None:
+    text = (ROOT / "experiments" / "paper_linear.yaml").read_text()
+    assert text.count(old) >= 1
+    (tmp_path / "mine.yaml").write_text(text.replace(old, new, 1))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("friction: 0.38  ", "#", "mine.yaml:1:1: friction: required key is missing"),
+        ("mass_kg", "colour: red, mass_kg", "mine.yaml:5:60: object.colour: unknown key, allowed are"),
+        ("mass_kg: 0.023", "mass_kg: -0.023", "mine.yaml:5:60: object.mass_kg: must be > 0, got -0.023"),
+        ("{x_m: 0.01, y_m: 0.02", "{x_m: 0.01, y_m: 0.06", "goal.relative_pose.y_m: the goal is outside the object"),
+        ("slide_s: 0.2", "slide_s: 0", "motion.slide_s: must be > 0, got 0"),
+        ("friction: 0.38", "friction: 1e-05", "friction: must be >= 0.01, got 1e-05"),
+        ("friction: 0.38", "friction: 0.38\nfriction: 0.4", "friction: duplicate key, first given at line 16"),
+    ],
+)
+def test_experiment(call: Callable, tmp_path: Path, old: str, new: str, message: str) -> None:
+    spoil(tmp_path, old, new)
+    for verb in ("plan", "run"):
+        result = call(verb, "mine.yaml")
+        assert (result.exit_code, result.stdout) == (3, "")
+        assert result.stderr.startswith("error: mine.yaml:")
+        assert message in result.stderr
+        assert len(result.stderr.splitlines()) == 1
+        assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.yaml"]
+
+
+def test_directory_for_a_file(call: Callable, tmp_path: Path) -> None:
+    (tmp_path / "folder").mkdir()
+    result = call("plan", "folder")
+    assert (result.exit_code, result.stdout) == (3, "")
+    assert result.stderr == "error: folder: is a directory, a YAML file is needed\n"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["folder"]
+
+
+def test_truncated_recording(call: Callable, tmp_path: Path) -> None:
+    (tmp_path / "cut.mcap").write_bytes(RECORDED.read_bytes()[:100_000])
+    result = call("estimate", "cut.mcap")
+    assert (result.exit_code, result.stdout) == (3, "")
+    assert len(result.stderr.splitlines()) == 1
+    assert result.stderr.startswith("error: cut.mcap: byte 9")
+    assert "cut off inside the record that begins here, 100000 bytes are there" in result.stderr
+    assert "messages can be recovered" in result.stderr
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["cut.mcap"]
+
+
+def test_truncated_recording_in_the_store(call: Callable, tmp_path: Path) -> None:
+    shutil.copy(ROOT / "experiments" / "paper_rotational.yaml", tmp_path / "mine.yaml")
+    assert call("plan", "mine.yaml").exit_code == 0
+    assert call("execute", "@latest").exit_code == 0
+    (trial,) = tmp_path.glob("data/runs/*/*/trial.mcap")
+    trial.write_bytes(trial.read_bytes()[:-50_000])
+    before = sorted(tmp_path.glob("data/runs/*/*"))
+    result = call("estimate", "@latest")
+    assert (result.exit_code, result.stdout) == (3, "")
+    assert len(result.stderr.splitlines()) == 1
+    assert "cut off" in result.stderr
+    assert sorted(tmp_path.glob("data/runs/*/*")) == before
+
+
+def test_yaml_for_a_recording(call: Callable, tmp_path: Path) -> None:
+    shutil.copy(ROOT / "experiments" / "paper_linear.yaml", tmp_path / "trial.mcap")
+    result = call("estimate", "trial.mcap")
+    assert (result.exit_code, result.stdout, len(result.stderr.splitlines())) == (3, "", 1)
+
+
+def test_recording_alone_is_enough(call: Callable, tmp_path: Path) -> None:
+    shutil.copy(RECORDED, tmp_path / "trial.mcap")
+    result = call("estimate", "trial.mcap")
+    assert result.exit_code == 0, result.stderr
+    assert "kappa" in result.stdout
