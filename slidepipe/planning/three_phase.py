@@ -24,6 +24,9 @@ from slidepipe.mechanics.limit_surface import SoftFinger
 from slidepipe.mechanics.planar import finger_pose, object_pose
 from slidepipe.series import FloatArray
 
+ROUNDING_S = 1e-9
+"""Times that differ by less are the same."""
+
 
 @dataclass(frozen=True, slots=True)
 class Regrasp:
@@ -107,7 +110,7 @@ class ThreePhaseMotion:
 
     def sample(self, time_s: FloatArray) -> Motion:
         """Hand and object at the given times; at a boundary the phase that begins there counts."""
-        time_s = np.asarray(time_s, dtype=float)
+        time_s = _on_boundaries(np.asarray(time_s, dtype=float), self.regrasp.boundaries)
         q_o, dq_o, ddq_o = self._object(time_s)
         r_b, dr_b, ddr_b = self._relative(time_s)
         return Motion(
@@ -169,3 +172,9 @@ class ThreePhaseMotion:
         sign = np.where((time_s >= t_slide) & (time_s < t_switch), 1.0, 0.0)
         sign = np.where((time_s >= t_switch) & (time_s < t_settle), -1.0, sign)
         return r_b, dr_b, sign[:, None] * task.ddr
+
+
+def _on_boundaries(time_s: FloatArray, boundaries: FloatArray) -> FloatArray:
+    """Times with those that miss a boundary by rounding alone moved onto it, so that they fall into its phase."""
+    nearest = boundaries[np.argmin(np.abs(time_s[:, None] - boundaries), axis=1)]
+    return np.where(np.abs(time_s - nearest) < ROUNDING_S, nearest, time_s)
