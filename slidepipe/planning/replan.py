@@ -16,12 +16,12 @@ from slidepipe.planning.three_phase import Regrasp
 from slidepipe.series import FloatArray
 from slidepipe.tick import TICK_S
 
-SHORTEST_SLIDE_S = 0.02
-"""Ten ticks: the arm does not follow a shorter slide."""
+SHORTEST_SLIDE_S = 0.03
+"""Fifteen ticks: the arm does not follow a shorter slide well."""
 SLIDE_STRETCHES = (1.0, 1.25, 1.6, 2.0)
 STICK_TO_SLIDE = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0)
 SAFE_LOAD = 0.85
-"""Share of the friction that a correction may use while it sticks, if there is one that needs no more."""
+"""Share of the friction that a correction may use while it sticks; if all need more, the one that needs least."""
 
 
 def slide_distance(r_from: FloatArray, r_to: FloatArray, rho: float) -> float:
@@ -53,7 +53,7 @@ def replan(first: Regrasp, r_now: FloatArray, setup: Setup) -> Plan:
     InfeasibleError
         If no choice of the phases' lengths keeps every limit: the limits that the gentlest one breaks.
     """
-    tasks = sorted(_candidates(first, r_now, setup), key=lambda task: stick_load(task, setup) > SAFE_LOAD)
+    tasks = sorted(_candidates(first, r_now, setup), key=lambda task: max(SAFE_LOAD, stick_load(task, setup)))
     refusals = []
     for task in tasks:
         try:

@@ -85,7 +85,7 @@ class FreeBlock:
         return float(brentq(lambda t: self._need(hand, t)[1] - 1.0, times[first - 1], times[first], xtol=1e-13))
 
     def _begin_slide(self, hand: BSpline, t: float) -> None:
-        """Which way it gives: normal to the ellipsoid at its point nearest to the needed wrench, in the mobility's norm."""
+        """Which way it gives: square to the ellipsoid where it is nearest to the needed wrench in mobility."""
         need, _ = self._need(hand, t)
         x, y = self._r[:2]
         g = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-y, x, 1.0]])

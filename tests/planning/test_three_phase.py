@@ -67,11 +67,11 @@ def test_everything_begins_and_ends_at_rest_where_it_was_asked(case: str) -> Non
 @both
 def test_no_velocity_jumps_at_a_boundary(case: str) -> None:
     regrasp, _, motion = planned(case)
-    gap = 1e-9
+    gap = 1e-8
     before, after = (motion.sample(regrasp.boundaries[1:] + side) for side in (-gap, gap))
     for name in ("q_o", "q_f", "r_b", "dq_o", "dq_f", "dr_b"):
-        np.testing.assert_allclose(getattr(after, name), getattr(before, name), atol=1e-6, err_msg=name)
-    jumps = np.linalg.norm((after.ddq_f - before.ddq_f)[:, :2], axis=1)
+        np.testing.assert_allclose(getattr(after, name), getattr(before, name), atol=5e-6, err_msg=name)
+    jumps = np.linalg.norm(after.ddq_f - before.ddq_f, axis=1)
     assert np.all(jumps > 0.5), "the accelerations do jump there"
 
 
@@ -173,7 +173,7 @@ REGRASPS = st.builds(
         T4=0.002 * ticks[1],
     ),
     SHIFTS,
-    SHIFTS.filter(lambda step: np.any(step + [0.001, 0.0, 0.0])),
+    SHIFTS.filter(lambda step: step[0] != -0.001),
     st.floats(-3, 3),
     st.tuples(TICKS, TICKS),
     st.integers(10, 60),
