@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 from scipy.interpolate import BSpline
-from scipy.optimize import least_squares
+from scipy.optimize import OptimizeResult, least_squares
 
 from slidepipe.estimation.forward import SlidingBlocks
 from slidepipe.estimation.weak_form import SlideWindow
@@ -22,6 +22,8 @@ MARGIN_S = 0.03
 LOOSER_HAND = 10.0
 RHO_SD = 0.05
 SOFT_SHARE = 0.35
+SOFTER_FIRST = 3.0
+ROUGHLY, FINELY = 1e-2, 1e-6
 MOST_STEPS = 40
 LARGEST_LAST_STEP = 0.5
 COARSEST_STEP_S, FINEST_STEP_S = 0.001, 0.0003
@@ -66,12 +68,15 @@ class JointFit:
 
 
 def joint_fit(window: SlideWindow, block: Block, start: JointStart) -> JointFit:
-    """Fit hand, object and friction to the measured poses of the window."""
+    """Fit hand, object and friction to the measured poses of the window.
+
+    The first state's direction of sliding is poorly known where the object is slow, and friction turns with it at
+    once: from the smoothed motion the search would creep along a bent valley. Friction that fades at a higher speed
+    straightens the valley, so a rough fit with that goes first; the fit proper then starts from its answer.
+    """
+    softer = _Problem(window, block, start, SOFTER_FIRST)
     problem = _Problem(window, block, start)
-    scale = np.sqrt(np.diagonal(_covariance(problem.jacobian(problem.first))))
-    found = least_squares(
-        problem.residuals, problem.first, jac=problem.jacobian, x_scale=scale, ftol=1e-6, xtol=1e-9, max_nfev=MOST_STEPS
-    )
+    found = _search(problem, _search(softer, softer.first, ROUGHLY).x, FINELY)
     covariance = _covariance(found.jac)
     measured = found.jac[: problem.measurements]
     freedom = problem.measurements - float(np.einsum("ij,jk,ik->", measured, covariance, measured))
@@ -88,6 +93,14 @@ def joint_fit(window: SlideWindow, block: Block, start: JointStart) -> JointFit:
     )
 
 
+def _search(problem: "_Problem", first: FloatArray, precision: float) -> OptimizeResult:
+    """Least squares until a step lowers the cost by less than this share of it."""
+    scale = np.sqrt(np.diagonal(_covariance(problem.jacobian(first))))
+    return least_squares(
+        problem.residuals, first, jac=problem.jacobian, x_scale=scale, ftol=precision, xtol=1e-9, max_nfev=MOST_STEPS
+    )
+
+
 def _covariance(jacobian: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.pinv(jacobian.T @ jacobian))
 
@@ -95,7 +108,7 @@ def _covariance(jacobian: FloatArray) -> FloatArray:
 class _Problem:
     """Residuals and derivatives; parameters are hand coefficients (3 n), first object state (6), log kappa, log rho."""
 
-    def __init__(self, window: SlideWindow, block: Block, start: JointStart) -> None:
+    def __init__(self, window: SlideWindow, block: Block, start: JointStart, softer: float = 1.0) -> None:
         self.window, self.block, self.start = window, block, start
         rows = np.flatnonzero(window.inside)
         self.opens, self.closes = float(window.time_s[rows[0]]), float(window.time_s[rows[-1]])
@@ -103,7 +116,7 @@ class _Problem:
         near = (window.time_s >= self.opens - MARGIN_S) & (window.time_s <= self.closes + MARGIN_S)
         self.hand_rows: IntArray = np.flatnonzero(near & window.hand.valid)
         stiffness = self._stiffness()
-        soft_m_s = SOFT_SHARE * start.slowest_m_s
+        soft_m_s = softer * SOFT_SHARE * start.slowest_m_s
         step_s = float(np.clip(2.0 * soft_m_s / stiffness, FINEST_STEP_S, COARSEST_STEP_S))
         self.soft_m_s = max(soft_m_s, stiffness * step_s / 2.0)
         self.steps = max(20, int(np.ceil((self.closes - self.opens) / step_s)))

@@ -8,8 +8,10 @@ from scipy.spatial.transform import Rotation
 
 from slidepipe.arm import wam
 from slidepipe.arm.model import FLANGE, HAND, Tool, arm_spec
+from slidepipe.errors import InputError
 from slidepipe.mechanics.planar import MotionPlane, object_pose
 from slidepipe.series import FloatArray
+from slidepipe.tick import TICK_S
 
 BLOCK = "block"
 FINGERS = ("finger_near", "finger_far")
@@ -28,6 +30,14 @@ class ContactSettings:
     timestep_s: float
     solref_s: float
     impratio: float
+
+    def __post_init__(self) -> None:
+        steps = TICK_S / self.timestep_s if self.timestep_s > 0.0 else 0.0
+        if round(steps) < 1 or abs(steps - round(steps)) > 1e-6:
+            raise InputError(
+                f"contact: timestep_s must be a whole part of the control loop's tick of {TICK_S:g} s, "
+                f"got {self.timestep_s!r}"
+            )
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +73,14 @@ class WorldSettings:
     mass_error: float
     joint_friction_scale: float
     contact: ContactSettings
+
+    def __post_init__(self) -> None:
+        room_kg = wam.GRIPPER_MASS_KG - 2 * FINGER_MASS_KG
+        if not 0.0 < self.block_mass_kg < room_kg:
+            raise InputError(
+                f"world: block_mass_kg must be positive and below {room_kg:g}, for gripper and block weigh "
+                f"{wam.GRIPPER_MASS_KG:g} kg together, got {self.block_mass_kg!r}"
+            )
 
 
 class World:

@@ -9,7 +9,6 @@ from slidepipe.lab.loop import Execution, execute
 from slidepipe.lab.protocols import ClockExchange, JointCommand, JointState, MocapFrame
 from slidepipe.lab.simulated import SimulatedLab, Tracker, Truth
 from slidepipe.lab.world import ContactSettings, WorldSettings
-from slidepipe.mechanics.limit_surface import SoftFinger
 from slidepipe.planning.planner import Plan, Setup
 from slidepipe.series import JointSeries
 
@@ -28,7 +27,7 @@ CAMERAS = CameraSettings(
 
 def world(setup: Setup, *, prescribed: bool, friction: float | None = None) -> WorldSettings:
     """The world that a plan believes in, but for an arm that is 5 % heavier and rubs 20 % more."""
-    finger: SoftFinger = setup.finger
+    finger = setup.finger
     return WorldSettings(
         block_size_m=np.array([setup.block.length, setup.block.width, 0.01]),
         block_mass_kg=setup.block.m,

@@ -28,11 +28,11 @@ def test_a_correction_takes_the_square_root_of_its_share_of_the_way(share: float
 
 def test_a_slide_is_never_shorter_than_the_arm_can_follow() -> None:
     chosen = replan(LINEAR, left(LINEAR, 0.001), linear_setup())
-    assert pytest.approx(SHORTEST_SLIDE_S) == chosen.regrasp.T23
+    assert 0 <= chosen.regrasp.T23 - SHORTEST_SLIDE_S < 0.004
     assert np.linalg.norm(chosen.regrasp.ddr) < np.linalg.norm(LINEAR.ddr)
 
 
-OVERSHOT = np.array([0.012, 0.0245, np.pi + 0.01])
+OVERSHOT = np.array([0.0115, 0.023, np.pi])
 OVERTURNED = np.array([0.012, 0.0245, np.pi + 0.05])
 BESIDE = np.array([0.004, 0.012, np.pi - 0.1])
 TURNED = np.array([0.008, 0.0405, 0.98 * np.pi])

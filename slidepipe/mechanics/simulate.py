@@ -1,0 +1,158 @@
+"""An object under a given hand motion, event-driven: exact stick, slips located, order eight in between (Section VI).
+
+For reference and planning. The hand's motion is a :class:`~slidepipe.mechanics.hand_motion.HandMotion`, from a plan or
+from samples. For hands that come as samples alone and for fingers apart from each other see
+:mod:`slidepipe.mechanics.stepping`.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline
+
+from slidepipe.errors import InputError
+from slidepipe.mechanics import event_kernel
+from slidepipe.mechanics.dynamics import Block
+from slidepipe.mechanics.hand_motion import HandMotion
+from slidepipe.mechanics.limit_surface import SoftFinger
+from slidepipe.mechanics.parameters import ParameterSets
+from slidepipe.series import FloatArray, IntArray
+
+TOLERANCE = 1e-9
+"""Error of a step in the place of the contact, m."""
+REST_S = 0.5
+"""How long a trial goes on after the hand has come to rest."""
+
+
+class Ended(IntEnum):
+    """How a trial ended."""
+
+    STUCK = event_kernel.STUCK
+    """The object sticks to the finger."""
+    SLIDING = event_kernel.SLIDING
+    """It still slides."""
+    LEFT = event_kernel.LEFT
+    """The contact slid beyond the object's face: it is thrown."""
+    FAILED = event_kernel.FAILED
+    """A step could not be taken; nothing is known beyond it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What a trial came to.
+
+    Attributes
+    ----------
+    r_f_b : (3,)
+        Relative pose of the finger in {b} at the end, m and rad.
+    ended : Ended
+    slides : int
+        How often it slid.
+    slide_start_s, slide_stop_s : float
+        When the first slide began and the last one stopped, NaN if there was none.
+    knots : (K, 5)
+        Along the slides: time, relative pose, and sliding speed with spin counted by rho.
+    """
+
+    r_f_b: FloatArray
+    ended: Ended
+    slides: int
+    slide_start_s: float
+    slide_stop_s: float
+    knots: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Outcomes:
+    """What many trials came to: as :class:`Outcome`, with a row for each; ``ended`` holds values of :class:`Ended`."""
+
+    r_f_b: FloatArray
+    ended: IntArray
+    slides: IntArray
+    slide_start_s: FloatArray
+    slide_stop_s: FloatArray
+
+
+def simulate(
+    hand: HandMotion, block: Block, finger: SoftFinger, r_f_b: FloatArray, *, tolerance: float = TOLERANCE
+) -> Outcome:
+    """Simulate one trial that begins at rest with the finger at ``r_f_b`` in {b}.
+
+    Parameters
+    ----------
+    hand : HandMotion
+    block, finger : Block, SoftFinger
+    r_f_b : (3,)
+        m and rad.
+    tolerance : float
+        Error of a step in the place of the contact, m.
+
+    Raises
+    ------
+    InputError
+        A value that is not finite, or a contact that begins beyond the object's face.
+    """
+    sets = ParameterSets.of(block, finger, r_f_b)
+    r, out, path = sets.r_f_b[0].copy(), np.empty(5), np.empty((event_kernel.MOST_STEPS, 8))
+    event_kernel.run_trial(
+        hand.breaks, hand.coefficients, hand.jumps, sets.bodies[0], _checked(tolerance), _end(hand), r, path, out
+    )
+    return Outcome(
+        r_f_b=r,
+        ended=Ended(int(out[0])),
+        slides=int(out[1]),
+        slide_start_s=float(out[2]),
+        slide_stop_s=float(out[3]),
+        knots=_knots(hand, finger, path[: int(out[4])]),
+    )
+
+
+def simulate_many(hand: HandMotion, sets: ParameterSets, *, tolerance: float = TOLERANCE) -> Outcomes:
+    """Simulate a trial for each parameter set, on all cores."""
+    r, out = sets.r_f_b.copy(), np.empty((len(sets.bodies), 5))
+    event_kernel.run_batch(
+        hand.breaks, hand.coefficients, hand.jumps, sets.bodies, _checked(tolerance), _end(hand), r, out
+    )
+    return Outcomes(
+        r_f_b=r,
+        ended=out[:, 0].astype(np.int64),
+        slides=out[:, 1].astype(np.int64),
+        slide_start_s=out[:, 2],
+        slide_stop_s=out[:, 3],
+    )
+
+
+def relative_motion(outcome: Outcome, r_f_b: FloatArray, time_s: FloatArray) -> FloatArray:
+    """Relative pose (T, 3) at any times of a trial that began at ``r_f_b``: cubics through the knots of its slide."""
+    if not len(outcome.knots):
+        return np.tile(np.asarray(r_f_b, dtype=float), (len(time_s), 1))
+    times = np.concatenate([[outcome.slide_start_s], outcome.knots[:, 0], [outcome.slide_stop_s]])
+    poses = np.concatenate([[r_f_b], outcome.knots[:, 1:4], [outcome.r_f_b]])
+    keep = np.concatenate([[True], np.diff(times) > 0.0])
+    times, poses = times[keep], poses[keep]
+    spline = CubicHermiteSpline(times, poses, np.gradient(poses, times, axis=0))
+    return np.asarray(spline(np.clip(time_s, times[0], times[-1])))
+
+
+def _knots(hand: HandMotion, finger: SoftFinger, path: FloatArray) -> FloatArray:
+    if not len(path):
+        return np.empty((0, 5))
+    motion = hand.at(path[:, 0], 1)
+    c, s = np.cos(path[:, 3]), np.sin(path[:, 3])
+    r_x, r_y = c * path[:, 1] - s * path[:, 2], s * path[:, 1] + c * path[:, 2]
+    d_x = motion[:, 0] - path[:, 4] + path[:, 6] * r_y
+    d_y = motion[:, 1] - path[:, 5] - path[:, 6] * r_x
+    d_w = finger.a * finger.c * (motion[:, 2] - path[:, 6])
+    speed = np.sqrt(d_x**2 + d_y**2 + d_w**2)
+    return np.column_stack([path[:, 0], path[:, 1], path[:, 2], path[:, 7], speed])
+
+
+def _end(hand: HandMotion) -> float:
+    return float(hand.breaks[-1]) + REST_S
+
+
+def _checked(tolerance: float) -> float:
+    if not 1e-14 <= tolerance <= 1e-3:
+        raise InputError(f"simulation: tolerance must be from 1e-14 to 1e-3 m, got {tolerance!r}")
+    return tolerance
