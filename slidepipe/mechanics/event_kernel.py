@@ -1,32 +1,36 @@
-"""Event-driven integration of a pinched object under a moving hand: exact stick, located slip, order eight between.
+"""Event-driven integration of a pinched object under a moving hand: exact stick, slips located, high order between.
 
 The state of a slide is ``(r_x, r_y, theta, v_x, v_y, omega)``: the finger's place in {b} and the object's angle and
 velocities in {w}. The object's position follows from the hand's: nothing small is a difference of large numbers.
+
+A slow slide is stiff: the direction of its friction settles within a time |dv| m / (mu f_N). So a step is made of implicit
+Euler's, whose contact is solved outright (:mod:`slidepipe.mechanics.contact_kernel`), in 1, 2, ... 7 parts that are
+extrapolated to order seven, as in Hairer and Wanner's SEULEX. It starts from rest by itself, and a slide that comes to its
+end is cut into steps that each leave a share of its speed.
 """
 
 import numpy as np
 from numba import njit, prange
-from scipy.integrate import DOP853
 
 from slidepipe.mechanics.contact_kernel import contact_force
 
 FAST = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "arcp", "nsz", "reassoc"}}
 """Sums may be reordered and fused; NaN and infinity keep their meaning."""
-STAGES = DOP853.n_stages
-A, B, C, E3, E5 = (np.ascontiguousarray(table) for table in (DOP853.A, DOP853.B, DOP853.C, DOP853.E3, DOP853.E5))
+ORDER = 7
 GRAVITY = 9.81
 STUCK, SLIDING, LEFT, FAILED = 0, 1, 2, 3
 """How a trial ends: held, still sliding, with the contact beyond the face, or with a step that could not be taken."""
-FIRST_STEP_S = 1e-6
-SCALES = np.array([1.0, 1.0, 50.0, 10.0, 10.0, 500.0])
-"""Tolerances beside that of the place in {b}: speeds count by how far they carry in some 0.1 s."""
-DIRECTION = 0.003
-"""Share of the sliding speed that a step may be wrong by."""
+FIRST_STEP_S = 1e-3
+SCALES = np.array([1.0, 1.0, 10.0, 3.0, 3.0, 30.0])
+"""Tolerances beside that of the place in {b}, m: of the angle, the speeds and the spin."""
+LEAVE = 0.85
+"""Share of the time until a slide stops that a step may take."""
 REST = 0.1
 """Share of the tolerance that the rest of a slide may be worth, to be taken as a parabola."""
 SCANS = 6
 """Places in each piece of the hand's motion where a sticking grip is looked at."""
 MOST_STEPS = 4000
+INSIDE = 1.0 - 1e-13
 
 
 @njit(**FAST)
@@ -58,6 +62,25 @@ def hand_at(breaks, coefficients, scale, t):
             e = d * (d - 1)
             a0, a1, a2 = a0 * s + e * c[0], a1 * s + e * c[1], a2 * s + e * c[2]
     return scale * v0, scale * v1, scale * v2, scale * a0, scale * a1, scale * a2
+
+
+@njit(**FAST)
+def hand_velocity(breaks, coefficients, scale, t, near):
+    """Velocity of the hand alone, at a time in or after piece ``near``: what each stage of a slide needs."""
+    last = len(breaks) - 1
+    if t >= breaks[last]:
+        return 0.0, 0.0, 0.0
+    low = near
+    while breaks[low + 1] <= t:
+        low += 1
+    s = t - breaks[low]
+    d = coefficients.shape[1] - 1
+    v0, v1, v2 = d * coefficients[low, d, 0], d * coefficients[low, d, 1], d * coefficients[low, d, 2]
+    for d in range(coefficients.shape[1] - 2, 0, -1):
+        v0 = v0 * s + d * coefficients[low, d, 0]
+        v1 = v1 * s + d * coefficients[low, d, 1]
+        v2 = v2 * s + d * coefficients[low, d, 2]
+    return scale * v0, scale * v1, scale * v2
 
 
 @njit(**FAST)
@@ -95,70 +118,67 @@ def stick_load(breaks, coefficients, body, r, t):
 
 
 @njit(**FAST)
-def slide_rate(breaks, coefficients, body, t, y, rate):
-    """Rate of the sliding state, eqs. (18) to (21); returns the sliding speed, with spin counted by rho."""
-    h0, h1, h2, _a0, _a1, _a2 = hand_at(breaks, coefficients, body[4], t)
+def euler(breaks, coefficients, body, t, h, parts, y, k, new):
+    """Implicit Euler from y at t over ``parts`` steps of h into ``new``; returns k of the contact, -1 if it stuck."""
+    h_m, h_i = h / body[0], h / body[1]
+    for i in range(6):
+        new[i] = y[i]
+    for part in range(1, parts + 1):
+        h0, h1, h2, _a0, _a1, _a2 = hand_at(breaks, coefficients, body[4], t + part * h)
+        c, s = np.cos(new[2]), np.sin(new[2])
+        r_x, r_y = c * new[0] - s * new[1], s * new[0] + c * new[1]
+        v_y = new[4] - h * GRAVITY
+        b_x, b_y, b_w = h0 - new[3] + new[5] * r_y, h1 - v_y - new[5] * r_x, h2 - new[5]
+        f_x, f_y, m_z, k = contact_force(h_m, h_i, body[2], body[3], r_x, r_y, b_x, b_y, b_w, k)
+        if k <= 0.0:
+            return -1.0
+        new[3] += h_m * f_x
+        new[4] = v_y + h_m * f_y
+        new[5] += h_i * (m_z + r_x * f_y - r_y * f_x)
+        d_x, d_y = h0 - new[3] + new[5] * r_y, h1 - new[4] - new[5] * r_x
+        new[0] += h * (c * d_x + s * d_y)
+        new[1] += h * (-s * d_x + c * d_y)
+        new[2] += h * new[5]
+    return k
+
+
+@njit(**FAST)
+def try_step(breaks, coefficients, body, tolerance, t, y, h, k, table):
+    """One extrapolated step from y at t into ``table[0]``; returns error over tolerance, and k; both -1 if it stuck."""
+    for row in range(ORDER):
+        parts = row + 1
+        k = euler(breaks, coefficients, body, t, h / parts, parts, y, k, table[row])
+        if k < 0.0:
+            return -1.0, k
+        for lower in range(row - 1, -1, -1):
+            share = (lower + 1.0) / (parts - lower - 1.0)
+            for i in range(6):
+                table[lower, i] = table[lower + 1, i] + (table[lower + 1, i] - table[lower, i]) * share
+    total = 0.0
+    for i in range(6):
+        total += ((table[0, i] - table[1, i]) / (tolerance * SCALES[i])) ** 2
+    return np.sqrt(total / 6.0), k
+
+
+@njit(**FAST)
+def sliding(breaks, coefficients, body, t, y, d):
+    """Sliding velocity in {b} into ``d``, eq. (18); returns its size, with spin counted by rho, and the size's rate."""
+    h0, h1, h2, a_x, a_y, alpha = hand_at(breaks, coefficients, body[4], t)
     c, s = np.cos(y[2]), np.sin(y[2])
     r_x, r_y = c * y[0] - s * y[1], s * y[0] + c * y[1]
-    d_x = h0 - y[3] + y[5] * r_y
-    d_y = h1 - y[4] - y[5] * r_x
-    d_w = h2 - y[5]
-    rho = body[3]
-    speed = np.sqrt(d_x * d_x + d_y * d_y + rho * rho * d_w * d_w)
-    share = body[2] / speed if speed > 0.0 else 0.0
-    f_x, f_y, moment = share * d_x, share * d_y, share * rho * rho * d_w
-    rate[0] = c * d_x + s * d_y
-    rate[1] = -s * d_x + c * d_y
-    rate[2] = y[5]
-    rate[3] = f_x / body[0]
-    rate[4] = f_y / body[0] - GRAVITY
-    rate[5] = (moment + r_x * f_y - r_y * f_x) / body[1]
-    return speed
-
-
-@njit(**FAST)
-def try_step(breaks, coefficients, body, tolerance, t, y, speed, h, work, new):
-    """One step of order eight from y at t into ``new``; ``work[0]`` holds the rate at t. Returns the error's size.
-
-    However small the sliding speed is, its direction must be told: velocities are good to a share of it.
-    """
-    for stage in range(1, STAGES):
-        combine(A[stage], stage, y, h, work, new)
-        slide_rate(breaks, coefficients, body, t + C[stage] * h, new, work[stage])
-    combine(B, STAGES, y, h, work, new)
-    slide_rate(breaks, coefficients, body, t + h, new, work[STAGES])
-    five, three = 0.0, 0.0
-    for i in range(6):
-        e5, e3 = 0.0, 0.0
-        for j in range(STAGES + 1):
-            e5 += E5[j] * work[j, i]
-            e3 += E3[j] * work[j, i]
-        allowed = tolerance * SCALES[i]
-        if i > 2:
-            allowed = min(allowed, DIRECTION * (speed if i < 5 else speed / body[3]))
-        scale = 1.0 / allowed
-        five += (e5 * scale) ** 2
-        three += (e3 * scale) ** 2
-    if five == 0.0 and three == 0.0:
-        return 0.0
-    return abs(h) * five / np.sqrt((five + 0.01 * three) * 6.0)
-
-
-@njit(**FAST)
-def combine(weights, stages, y, h, work, new):
-    """``y`` plus h times a weighted sum of the rates so far."""
-    n0, n1, n2, n3, n4, n5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for j in range(stages):
-        w = weights[j]
-        if w != 0.0:
-            n0 += w * work[j, 0]
-            n1 += w * work[j, 1]
-            n2 += w * work[j, 2]
-            n3 += w * work[j, 3]
-            n4 += w * work[j, 4]
-            n5 += w * work[j, 5]
-    new[0], new[1], new[2] = y[0] + h * n0, y[1] + h * n1, y[2] + h * n2
-    new[3], new[4], new[5] = y[3] + h * n3, y[4] + h * n4, y[5] + h * n5
+    d_x, d_y, d_w = h0 - y[3] + y[5] * r_y, h1 - y[4] - y[5] * r_x, h2 - y[5]
+    d[0], d[1], d[2] = c * d_x + s * d_y, -s * d_x + c * d_y, d_w
+    square = body[3] * body[3]
+    speed = np.sqrt(d_x * d_x + d_y * d_y + square * d_w * d_w)
+    if speed == 0.0:
+        return 0.0, 0.0
+    share = body[2] / speed
+    f_x, f_y, m_z = share * d_x, share * d_y, share * square * d_w
+    spin_rate = (m_z + r_x * f_y - r_y * f_x) / body[1]
+    spin = y[5] * y[5]
+    e_x = a_x - f_x / body[0] + spin_rate * r_y + spin * r_x + y[5] * d_y
+    e_y = a_y - f_y / body[0] + GRAVITY - spin_rate * r_x + spin * r_y - y[5] * d_x
+    return speed, (d_x * e_x + d_y * e_y + square * d_w * (alpha - spin_rate)) / speed
 
 
 @njit(**FAST)
@@ -199,79 +219,59 @@ def bisect(breaks, coefficients, body, r, low, high):
 
 @njit(**FAST)
 def begin_slide(breaks, coefficients, body, r, t, y):
-    """State just after a slide begins: relative acceleration and friction agree; returns the time of that state."""
-    theta = angle_at(breaks, coefficients, body[4], t) - r[2]
-    r_x, r_y, b_x, b_y, b_w = free_acceleration(breaks, coefficients, body, r, theta, t)
-    f_x, f_y, moment, _k = contact_force(1.0 / body[0], 1.0 / body[1], body[2], body[3], r_x, r_y, b_x, b_y, b_w, 0.0)
+    """State of an object that still moves with the hand, at the moment when its grip gives way."""
     h0, h1, h2, _a0, _a1, _a2 = hand_at(breaks, coefficients, body[4], t)
-    step = FIRST_STEP_S
-    y[0], y[1] = r[0], r[1]
-    y[2] = theta + step * h2
-    y[3] = h0 + h2 * r_y + step * f_x / body[0]
-    y[4] = h1 - h2 * r_x + step * (f_y / body[0] - GRAVITY)
-    y[5] = h2 + step * (moment + r_x * f_y - r_y * f_x) / body[1]
-    return t + step
+    theta = angle_at(breaks, coefficients, body[4], t) - r[2]
+    c, s = np.cos(theta), np.sin(theta)
+    r_x, r_y = c * r[0] - s * r[1], s * r[0] + c * r[1]
+    y[0], y[1], y[2] = r[0], r[1], theta
+    y[3], y[4], y[5] = h0 + h2 * r_y, h1 - h2 * r_x, h2
 
 
 @njit(**FAST)
-def slide(breaks, coefficients, jumps, body, tolerance, end, r, t, y, work, new, path, count):
+def slide(breaks, coefficients, jumps, body, tolerance, end, r, t, y, table, path, count):
     """Integrate a slide until it stops, leaves the face or ``end`` comes; ``r`` receives the relative pose.
 
     Returns (time, ended as, knots in ``path``).
     """
-    speed = slide_rate(breaks, coefficients, body, t, y, work[0])
-    h, jump, peak = FIRST_STEP_S, 0, speed
+    h, jump, k, peak = FIRST_STEP_S, 0, 0.0, 0.0
+    d = np.empty(3)
     for _ in range(MOST_STEPS):
         while jump < len(breaks) and (breaks[jump] <= t or not jumps[jump]):
             jump += 1
         limit = min(end, breaks[jump]) if jump < len(breaks) else end
-        h = min(h, limit - t)
-        error = try_step(breaks, coefficients, body, tolerance, t, y, speed, h, work, new)
-        if not error <= 1.0:
-            shrink = 0.9 * error ** (-0.125) if error < 1e30 else 0.2
-            h *= max(0.2, shrink)
-            if h < 1e-15:
+        at_limit = h >= limit - t
+        # A phase ends just before the acceleration jumps.
+        h = (limit - t) * INSIDE if at_limit else h
+        error, k_new = try_step(breaks, coefficients, body, tolerance, t, y, h, k, table)
+        if not 0.0 <= error <= 1.0:
+            h *= 0.5 if not error >= 0.0 else max(0.2, 0.9 * error ** (-1.0 / ORDER))
+            if h < 1e-14:
                 return t, FAILED, count
             continue
-        at_limit = h >= limit - t
-        t = limit if at_limit else t + h
-        y[:] = new
-        h *= min(6.0, 0.9 * error ** (-0.125)) if error > 0.0 else 6.0
-        speed = slide_rate(breaks, coefficients, body, t, y, work[0])
-        turn = angle_at(breaks, coefficients, body[4], t) - y[2]
+        t, k = limit if at_limit else t + h, k_new
+        y[:] = table[0]
+        h *= min(5.0, 0.9 * error ** (-1.0 / ORDER)) if error > 0.0 else 5.0
+        speed, rate = sliding(breaks, coefficients, body, t, y, d)
+        peak = max(peak, speed)
+        r[0], r[1], r[2] = y[0], y[1], angle_at(breaks, coefficients, body[4], t) - y[2]
         if count < len(path):
             path[count, 0] = t
-            path[count, 1:7] = y
-            path[count, 7] = turn
+            path[count, 1:4] = r
+            path[count, 4:7] = d
             count += 1
-        r[0], r[1], r[2] = y[0], y[1], turn
         if abs(y[0]) > body[5] or abs(y[1]) > body[6]:
             return t, LEFT, count
-        left = 0.5 * time_left(breaks, coefficients, body, t, y, work[0], speed)
-        peak = max(peak, speed)
-        if speed < 0.5 * peak and 0.0 < left * speed < REST * tolerance:
-            r[0] += left * work[0, 0]
-            r[1] += left * work[0, 1]
-            r[2] += left * (hand_at(breaks, coefficients, body[4], t)[2] - y[5])
-            return t + 2.0 * left, STUCK, count
+        if rate < 0.0 and speed < peak:
+            left = -speed / rate
+            if 0.5 * left * speed < REST * tolerance:
+                for i in range(3):
+                    r[i] += 0.5 * left * d[i]
+                return t + left, STUCK, count
+            h = min(h, LEAVE * left)
         if t >= end:
             return t, SLIDING, count
     return t, FAILED, count
-
-
-@njit(**FAST)
-def time_left(breaks, coefficients, body, t, y, rate, speed):
-    """Time in which a slide stops if it goes on slowing down as it does; zero if it does not slow down."""
-    h0, h1, h2, a_x, a_y, alpha = hand_at(breaks, coefficients, body[4], t)
-    c, s = np.cos(y[2]), np.sin(y[2])
-    r_x, r_y = c * y[0] - s * y[1], s * y[0] + c * y[1]
-    d_x, d_y, d_w = h0 - y[3] + y[5] * r_y, h1 - y[4] - y[5] * r_x, h2 - y[5]
-    spin = y[5] * y[5]
-    b_x = a_x - rate[3] + rate[5] * r_y + spin * r_x
-    b_y = a_y - rate[4] - rate[5] * r_x + spin * r_y
-    rho = body[3]
-    slowing = -(d_x * b_x + d_y * b_y + rho * rho * d_w * (alpha - rate[5])) / speed
-    return speed / slowing if slowing > 0.0 else 0.0
 
 
 @njit(**FAST)
@@ -281,7 +281,7 @@ def run_trial(breaks, coefficients, jumps, body, tolerance, end, r, path, out):
     ``body`` is (m, I, mu f_N, c a, hand scale, half length, half width); ``out`` receives (ended as, slides, begun,
     ended, knots).
     """
-    y, new, work = np.empty(6), np.empty(6), np.empty((STAGES + 1, 6))
+    y, table = np.empty(6), np.empty((ORDER, 6))
     t, ended, slides, begun, stopped, count = breaks[0], STUCK, 0, np.nan, np.nan, 0
     jump = 1
     while t < end and slides < MOST_STEPS:
@@ -294,8 +294,8 @@ def run_trial(breaks, coefficients, jumps, body, tolerance, end, r, path, out):
         slides += 1
         if slides == 1:
             begun = t
-        t = begin_slide(breaks, coefficients, body, r, t, y)
-        t, ended, count = slide(breaks, coefficients, jumps, body, tolerance, end, r, t, y, work, new, path, count)
+        begin_slide(breaks, coefficients, body, r, t, y)
+        t, ended, count = slide(breaks, coefficients, jumps, body, tolerance, end, r, t, y, table, path, count)
         stopped = t
         if ended != STUCK:
             break
@@ -306,5 +306,5 @@ def run_trial(breaks, coefficients, jumps, body, tolerance, end, r, path, out):
 def run_batch(breaks, coefficients, jumps, bodies, tolerance, end, r, out):
     """Run many trials on all cores; ``bodies`` (N, 7), ``r`` (N, 3) and ``out`` (N, 5) row by row."""
     for trial in prange(len(bodies)):
-        path = np.empty((0, 8))
+        path = np.empty((0, 7))
         run_trial(breaks, coefficients, jumps, bodies[trial], tolerance, end, r[trial], path, out[trial])

@@ -102,6 +102,10 @@ class Accelerations:
 class Slide:
     """What one motion of the finger did to an object with some actual friction.
 
+    The slide towards the goal stops within T3 + T4 whatever the friction is: if it went on until T, the object
+    would by then move against ``a``, and so the finger, which rests, would slide the other way. Where the slide is not
+    at rest at T, it has begun again since, away from the goal.
+
     Attributes
     ----------
     a_o : float
@@ -109,7 +113,7 @@ class Slide:
     d_T, dd_T : float
         ``d_c`` in m and its derivative in m/s at the end T of the finger's motion.
     slips_in_T1 : bool
-        It slides already while the finger accelerates at ``a``: it then does so again at the end.
+        It slides already while the finger accelerates at ``a``, away from the goal, and does so again in T4.
     motion : LineMotion
         ``d_c`` over time, until it rests. The finger stays where it is after T.
     """
@@ -132,7 +136,7 @@ class Slide:
 
     @property
     def rests_at_T(self) -> bool:
-        """Whether the slide has stopped when the finger does. It has whenever it sticks in T1."""
+        """Whether the object rests on the finger when the finger stops. It does if it sticks in T1, and only then."""
         return self.dd_T == 0.0
 
 
@@ -187,7 +191,7 @@ class Profile:
     @property
     def T(self) -> float:
         """The whole motion, s."""
-        return 2.0 * self.T1 + self.T2
+        return self.T1 + self.T2 + self.T1
 
     @property
     def finger(self) -> LineMotion:

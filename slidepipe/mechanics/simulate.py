@@ -1,4 +1,4 @@
-"""An object under a given hand motion, event-driven: exact stick, slips located, order eight in between (Section VI).
+"""An object under a given hand motion, event-driven: exact stick, slips located, high order in between (Section VI).
 
 For reference and planning. The hand's motion is a :class:`~slidepipe.mechanics.hand_motion.HandMotion`, from a plan or
 from samples. For hands that come as samples alone and for fingers apart from each other see
@@ -51,8 +51,8 @@ class Outcome:
         How often it slid.
     slide_start_s, slide_stop_s : float
         When the first slide began and the last one stopped, NaN if there was none.
-    knots : (K, 5)
-        Along the slides: time, relative pose, and sliding speed with spin counted by rho.
+    knots : (K, 7)
+        Along the slides: time, relative pose and its rate in {b}.
     """
 
     r_f_b: FloatArray
@@ -94,7 +94,7 @@ def simulate(
         A value that is not finite, or a contact that begins beyond the object's face.
     """
     sets = ParameterSets.of(block, finger, r_f_b)
-    r, out, path = sets.r_f_b[0].copy(), np.empty(5), np.empty((event_kernel.MOST_STEPS, 8))
+    r, out, path = sets.r_f_b[0].copy(), np.empty(5), np.empty((event_kernel.MOST_STEPS, 7))
     event_kernel.run_trial(
         hand.breaks, hand.coefficients, hand.jumps, sets.bodies[0], _checked(tolerance), _end(hand), r, path, out
     )
@@ -104,7 +104,7 @@ def simulate(
         slides=int(out[1]),
         slide_start_s=float(out[2]),
         slide_stop_s=float(out[3]),
-        knots=_knots(hand, finger, path[: int(out[4])]),
+        knots=path[: int(out[4])].copy(),
     )
 
 
@@ -129,23 +129,10 @@ def relative_motion(outcome: Outcome, r_f_b: FloatArray, time_s: FloatArray) -> 
         return np.tile(np.asarray(r_f_b, dtype=float), (len(time_s), 1))
     times = np.concatenate([[outcome.slide_start_s], outcome.knots[:, 0], [outcome.slide_stop_s]])
     poses = np.concatenate([[r_f_b], outcome.knots[:, 1:4], [outcome.r_f_b]])
+    rates = np.concatenate([np.zeros((1, 3)), outcome.knots[:, 4:7], np.zeros((1, 3))])
     keep = np.concatenate([[True], np.diff(times) > 0.0])
-    times, poses = times[keep], poses[keep]
-    spline = CubicHermiteSpline(times, poses, np.gradient(poses, times, axis=0))
+    spline = CubicHermiteSpline(times[keep], poses[keep], rates[keep])
     return np.asarray(spline(np.clip(time_s, times[0], times[-1])))
-
-
-def _knots(hand: HandMotion, finger: SoftFinger, path: FloatArray) -> FloatArray:
-    if not len(path):
-        return np.empty((0, 5))
-    motion = hand.at(path[:, 0], 1)
-    c, s = np.cos(path[:, 3]), np.sin(path[:, 3])
-    r_x, r_y = c * path[:, 1] - s * path[:, 2], s * path[:, 1] + c * path[:, 2]
-    d_x = motion[:, 0] - path[:, 4] + path[:, 6] * r_y
-    d_y = motion[:, 1] - path[:, 5] - path[:, 6] * r_x
-    d_w = finger.a * finger.c * (motion[:, 2] - path[:, 6])
-    speed = np.sqrt(d_x**2 + d_y**2 + d_w**2)
-    return np.column_stack([path[:, 0], path[:, 1], path[:, 2], path[:, 7], speed])
 
 
 def _end(hand: HandMotion) -> float:

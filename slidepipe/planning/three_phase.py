@@ -20,6 +20,7 @@ from slidepipe.mechanics.dynamics import (
     sliding_acceleration,
     sticking_load,
 )
+from slidepipe.mechanics.hand_motion import HandMotion
 from slidepipe.mechanics.limit_surface import SoftFinger
 from slidepipe.mechanics.planar import finger_pose, object_pose
 from slidepipe.series import FloatArray
@@ -125,6 +126,10 @@ class ThreePhaseMotion:
             dr_b=dr_b,
             load=sticking_load(self.block, self.finger, q_o[:, 2], ddq_o, r_b),
         )
+
+    def hand_motion(self) -> HandMotion:
+        """The hand's motion as polynomials, to simulate an object under it."""
+        return HandMotion.from_function(lambda time_s: self.sample(time_s).q_f, self.regrasp.boundaries)
 
     def _slide(self, dq_o: FloatArray) -> OdeSolution:
         """Object ``[q_o, dq_o]`` over the sliding phase, which begins at time 0 with velocity ``dq_o``."""
