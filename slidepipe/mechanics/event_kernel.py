@@ -4,7 +4,7 @@ The state of a slide is ``(r_x, r_y, theta, v_x, v_y, omega)``: the finger's pla
 velocities in {w}. The object's position follows from the hand's: nothing small is a difference of large numbers.
 
 A slow slide is stiff: the direction of its friction settles within a time |dv| m / (mu f_N). So a step is made of
-implicit Euler's, whose contact is solved outright (:mod:`slidepipe.mechanics.contact_kernel`), in 1, 2, ... 7 parts that
+implicit Euler's, whose contact is solved outright (:mod:`slidepipe.mechanics.contact_kernel`), in 1, 2 ... 7 parts that
 are extrapolated to order seven, as in Hairer and Wanner's SEULEX. It starts from rest by itself, and a slide that comes
 to its end is cut into steps that each leave a share of its speed.
 """

@@ -98,7 +98,7 @@ class Grasp:
         return Grasp(contacts)
 
     def axes_over(self, f_N: FloatArray | None) -> FloatArray:
-        """Semi-axes (..., n, 3) under normal forces ``f_N`` (..., n) that vary in time, N; None keeps the fingers' own."""
+        """Semi-axes (..., n, 3) under normal forces ``f_N`` (..., n), N, such as over time; None keeps the own."""
         if f_N is None:
             return self.semi_axes
         f_N = np.asarray(f_N, dtype=float)
@@ -112,7 +112,7 @@ class Grasp:
         return np.asarray(np.sum(about_com(f, self.r_f_b), axis=-2))
 
     def slip(self, dv_b: FloatArray) -> FloatArray:
-        """Sliding velocities G_i^T dv (..., n, 3) of fingers that move as one: ``dv_b`` (..., 3) is that at the CoM, in {b}."""
+        """Sliding velocities in {b} of fingers that move as one, (..., n, 3), from ``dv_b`` (..., 3) at the CoM."""
         return carried(np.asarray(dv_b, dtype=float)[..., None, :], self.r_f_b)
 
     def support(self, dv_b: FloatArray) -> FloatArray:
@@ -144,6 +144,14 @@ def in_world(theta: FloatArray | float, vectors_b: FloatArray) -> FloatArray:
 def in_body(theta: FloatArray | float, vectors: FloatArray) -> FloatArray:
     """The inverse of :func:`in_world`."""
     return np.asarray(np.einsum("...ji,...nj->...ni", rotation(theta), np.asarray(vectors, dtype=float)))
+
+
+def single(what: str, value: FloatArray | float, shape: tuple[int, ...]) -> FloatArray:
+    """``value`` as an array of finite numbers of exactly this shape; else an error that names ``what``."""
+    array = np.asarray(value, dtype=float)
+    if array.shape != shape:
+        raise InputError(f"{what} must have shape {shape}, got {array.shape}")
+    return finite(what, array)
 
 
 def finite(what: str, value: FloatArray | float, shape: tuple[int, ...] | None = None) -> FloatArray:

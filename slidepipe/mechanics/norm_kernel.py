@@ -1,3 +1,4 @@
+# mypy: disallow-untyped-defs=False, disallow-untyped-calls=False, disallow-untyped-decorators=False
 """The convex problem behind every grasp of several fingers: the smallest sum of norms, by a primal-dual Newton method.
 
 Minimise ``p/2 |x|^2 + sum_i |K_i x + e_i|`` over x in two or three dimensions. Its dual variables, |g_i| <= 1, are the
@@ -17,6 +18,10 @@ SHRINK = 0.1
 CLOSE = 0.1
 """How far the forces may be off the path, as a share of the friction, before eps shrinks."""
 SETTLED = 1e-13
+PATIENCE = 7
+"""Rounds without gain at the end after which rounding is all that is left."""
+SLIDES = 30.0
+"""How many eps a contact must slide at the end for its norm to be taken without smoothing."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -26,7 +31,7 @@ def smoothed_sum(p, K, e, x, eps):
     for j in range(len(x)):
         total += 0.5 * p * x[j] * x[j]
     for i in range(len(K)):
-        square = eps * eps
+        square = eps[i] * eps[i]
         for k in range(3):
             z = e[i, k]
             for j in range(len(x)):
@@ -60,7 +65,7 @@ def solve_small(H, b):
 
 
 @njit(cache=True, error_model="numpy")
-def assemble(p, K, e, x, g, eps, z, rho, H, b):  # noqa: PLR0913, PLR0917
+def assemble(p, K, e, x, g, eps, z, rho, H, b):
     """Newton's matrix and right side; ``z`` and ``rho`` are filled. Returns how far g is off z / rho."""
     m, off = len(x), 0.0
     H[:] = 0.0
@@ -68,7 +73,7 @@ def assemble(p, K, e, x, g, eps, z, rho, H, b):  # noqa: PLR0913, PLR0917
         b[j] = -p * x[j]
         H[j, j] = p
     for i in range(len(K)):
-        square, gap = eps * eps, 0.0
+        square, gap = eps[i] * eps[i], 0.0
         for k in range(3):
             z[i, k] = e[i, k]
             for j in range(m):
@@ -95,7 +100,7 @@ def assemble(p, K, e, x, g, eps, z, rho, H, b):  # noqa: PLR0913, PLR0917
 
 
 @njit(cache=True, error_model="numpy")
-def step_length(p, K, e, x, dx, eps, slope):  # noqa: PLR0913, PLR0917
+def step_length(p, K, e, x, dx, eps, slope):
     """Share of Newton's step that makes the smoothed sum smaller; ``slope`` is its derivative along the step."""
     start, t = smoothed_sum(p, K, e, x, eps), 1.0
     for _ in range(40):
@@ -106,7 +111,7 @@ def step_length(p, K, e, x, dx, eps, slope):  # noqa: PLR0913, PLR0917
 
 
 @njit(cache=True, error_model="numpy")
-def move_forces(K, dx, t, z, rho, g):  # noqa: PLR0913, PLR0917
+def move_forces(K, dx, t, z, rho, g):
     """Take the linearised step of the scaled forces, and keep each within its ball."""
     for i in range(len(K)):
         d0, d1, d2 = 0.0, 0.0, 0.0
@@ -123,29 +128,44 @@ def move_forces(K, dx, t, z, rho, g):  # noqa: PLR0913, PLR0917
 
 
 @njit(cache=True, error_model="numpy")
+def sharpen(z, eps):
+    """Take the smoothing from the contacts that clearly slide, however slowly."""
+    for i in range(len(z)):
+        size = np.sqrt(z[i, 0] ** 2 + z[i, 1] ** 2 + z[i, 2] ** 2)
+        if size > SLIDES * eps[i]:
+            eps[i] = FINEST * size
+
+
+@njit(cache=True, error_model="numpy")
 def smallest_sum(p, K, e, x, g):
-    """Minimise from x = 0 into ``x`` (m,) and ``g`` (n, 3); ``K`` is (n, 3, m), ``e`` (n, 3). Returns the rounds taken."""
+    """Minimise into ``x`` (m,) and ``g`` (n, 3); ``K`` is (n, 3, m), ``e`` (n, 3). Returns the rounds taken."""
     m, n = len(x), len(K)
     x[:], g[:] = 0.0, 0.0
     z, rho = np.empty((n, 3)), np.empty(n)
     H, dx = np.empty((m, m)), np.empty(m)
-    eps = 0.0
+    level = 0.0
     for i in range(n):
-        eps = max(eps, np.sqrt(e[i, 0] ** 2 + e[i, 1] ** 2 + e[i, 2] ** 2))
-    if eps == 0.0:
+        level = max(level, np.sqrt(e[i, 0] ** 2 + e[i, 1] ** 2 + e[i, 2] ** 2))
+    if level == 0.0:
         return 0
-    finest, extra, best = FINEST * eps, 0, 1e300
+    finest, sharp, extra, best = FINEST * level, False, 0, 1e300
+    eps = np.full(n, level)
     for rounds in range(ROUNDS):
         off = assemble(p, K, e, x, g, eps, z, rho, H, dx)
-        if eps > finest and off < CLOSE:
-            eps = max(finest, SHRINK * eps)
+        if level > finest and off < CLOSE:
+            level = max(finest, SHRINK * level)
+            eps[:] = level
             off = assemble(p, K, e, x, g, eps, z, rho, H, dx)
-        elif eps <= finest:
+        elif level <= finest:
             # Forces of contacts at rest cannot be told from z / rho better than rounding lets them.
             extra = 0 if off < 0.5 * best else extra + 1
             best = min(best, off)
-            if off < SETTLED or extra > 2:
-                return rounds
+            if off < SETTLED or extra > PATIENCE:
+                if sharp:
+                    return rounds
+                sharp, extra, best = True, 0, 1e300
+                sharpen(z, eps)
+                off = assemble(p, K, e, x, g, eps, z, rho, H, dx)
         slope = 0.0
         gradient = dx.copy()
         solve_small(H, dx)
