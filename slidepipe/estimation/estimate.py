@@ -1,6 +1,6 @@
 """One trial from recording to estimate: clock, plane, smoothing, slide, resting grasp, friction."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,7 +11,8 @@ from slidepipe.estimation.plane import PlanarBody, to_plane
 from slidepipe.estimation.poses import Tracks, align
 from slidepipe.estimation.request import EstimationRequest
 from slidepipe.estimation.rest import RestFinding, RestPose, find_rest
-from slidepipe.estimation.slide import Slide, SlideFinding, find_slide
+from slidepipe.estimation.slide import Slide, SlideFinding, find_slide, sliding_speed
+from slidepipe.estimation.slide_ends import RelativePath, refine_ends
 from slidepipe.estimation.smoothing import SmoothedSeries, rest_noise, smooth
 from slidepipe.estimation.weak_form import SlideWindow
 from slidepipe.series import BoolArray
@@ -163,7 +164,16 @@ def _motion(request: EstimationRequest, tracks: Tracks, segments: _Segments, fin
         near = (time_s > found.slide.start_s - AROUND_SLIDE_S) & (time_s < found.slide.stop_s + AROUND_SLIDE_S)
         relative = smooth(time_s, tracks.relative, noise, near)
         found = find_slide(time_s, relative, request.rho_m, _in_hand(request, tracks, relative, moving))
+    if found.slide is not None:
+        found = replace(found, slide=_with_ends(found.slide, tracks, relative, request.rho_m))
     return _Motion(hand, body, relative, found)
+
+
+def _with_ends(slide: Slide, tracks: Tracks, relative: SmoothedSeries, rho_m: float) -> Slide:
+    during = (tracks.time_s >= slide.start_s) & (tracks.time_s <= slide.stop_s)
+    top = int(np.argmax(np.where(during, sliding_speed(relative, rho_m), 0.0)))
+    path = RelativePath(tracks.time_s, tracks.relative, relative.noise)
+    return refine_ends(slide, path, float(tracks.time_s[top]))
 
 
 def _in_hand(request: EstimationRequest, tracks: Tracks, relative: SmoothedSeries, moving: BoolArray) -> BoolArray:

@@ -48,7 +48,9 @@ class SlidingBlocks:
         force = self.kappa / ((vx * vx + vy * vy + spin * spin) ** 2 + self.soft_m_s**4) ** 0.25
         fx, fy = force * vx, force * vy
         turn = self.mass_per_inertia * (self.rho_m * force * spin + x * fy - y * fx)
-        return np.stack([state[3], state[4], state[5], fx, fy - GRAVITY, turn])
+        slope = np.empty_like(state)
+        slope[:3], slope[3], slope[4], slope[5] = state[3:], fx, fy - GRAVITY, turn
+        return slope
 
     def run(self, start: FloatArray) -> FloatArray:
         """States (N / 2 + 1, 6, B) at the whole steps from the first states (6, B)."""

@@ -143,8 +143,9 @@ def _refusal(joint: JointFit) -> str | None:
             f"freedom, at most {WORST_CHI_SQUARE:g} is accepted"
         )
     if not sd <= LARGEST_SD:
+        told = f"to {100.0 * sd:.0f} % only" if sd < 1.0 else "not even to 100 %"
         return (
-            f"friction refused: the slide tells kappa to {100.0 * sd:.0f} % only (standard deviation), "
+            f"friction refused: the slide tells kappa {told} (standard deviation), "
             f"at most {100.0 * LARGEST_SD:.0f} % is accepted"
         )
     return None

@@ -24,8 +24,9 @@ RHO_SD = 0.05
 SOFT_SHARE = 0.35
 SOFTER_FIRST = 3.0
 ROUGHLY, FINELY = 1e-2, 1e-6
-MOST_STEPS = 40
+MOST_STEPS = 100
 LARGEST_LAST_STEP = 0.5
+SMALLEST_COLUMN, RIDGE = 1e-9, 1e-12
 COARSEST_STEP_S, FINEST_STEP_S = 0.001, 0.0003
 
 
@@ -94,15 +95,29 @@ def joint_fit(window: SlideWindow, block: Block, start: JointStart) -> JointFit:
 
 
 def _search(problem: "_Problem", first: FloatArray, precision: float) -> OptimizeResult:
-    """Least squares until a step lowers the cost by less than this share of it."""
+    """Least squares until a step lowers the cost by less than this share of it.
+
+    MINPACK needs no threaded linear algebra, which on a busy machine takes a hundred times as long as its own.
+    """
     scale = np.sqrt(np.diagonal(_covariance(problem.jacobian(first))))
     return least_squares(
-        problem.residuals, first, jac=problem.jacobian, x_scale=scale, ftol=precision, xtol=1e-9, max_nfev=MOST_STEPS
+        problem.residuals,
+        first,
+        jac=problem.jacobian,
+        method="lm",
+        x_scale=scale,
+        ftol=precision,
+        xtol=1e-9,
+        max_nfev=MOST_STEPS,
     )
 
 
 def _covariance(jacobian: FloatArray) -> FloatArray:
-    return np.asarray(np.linalg.pinv(jacobian.T @ jacobian))
+    """Inverse of the information; of a parameter that the measurements do not tell, a huge variance and not none."""
+    size = np.maximum(np.linalg.norm(jacobian, axis=0), SMALLEST_COLUMN)
+    scaled = jacobian / size
+    information = np.einsum("ri,rj->ij", scaled, scaled) + RIDGE * np.eye(len(size))
+    return np.asarray(np.linalg.inv(information) / size / size[:, None])
 
 
 class _Problem:

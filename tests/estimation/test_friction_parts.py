@@ -1,8 +1,10 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from synthetic import BLOCK, GRAVITY
+from synthetic import BLOCK, CASE_B, GRAVITY, Cameras, request, simulate
 
+from slidepipe.estimation import joint_fit as joint_fit_module
+from slidepipe.estimation.estimate import estimate
 from slidepipe.estimation.forward import SlidingBlocks
 from slidepipe.estimation.friction import sliding_window
 from slidepipe.estimation.joint_fit import JointStart, _Problem, joint_fit
@@ -80,6 +82,26 @@ def test_the_joint_fit_forgets_a_bad_start(trial_a):
         fit = joint_fit(window_of(found), BLOCK, JointStart(factor * world.kappa, asked.rho_m, slowest))
         assert fit.converged
         assert fit.kappa == pytest.approx(found.friction.kappa_m_s2, rel=0.002)
+
+
+@pytest.mark.parametrize("seed", [7005, 7007, 7009])
+def test_noisy_trials_converge_with_steps_to_spare(seed, monkeypatch):
+    monkeypatch.setattr(joint_fit_module, "MOST_STEPS", 30)
+    world = simulate(CASE_B, 0.38 * (0.97 + 0.013 * (seed - 7000)), seed)
+    cameras = Cameras(seed=seed, position_noise_m=0.0005, angle_noise_rad=0.005)
+    found = estimate(request(world, cameras))
+    assert found.friction is not None, found.friction_reason
+    assert abs(np.log(found.friction.kappa_m_s2 / world.kappa)) < 3.5 * found.friction.kappa_relative_sd
+
+
+def test_the_softened_fit_leaves_no_trace_in_the_answer(trial_b, monkeypatch):
+    world, asked, found = trial_b
+    start = JointStart(world.kappa, asked.rho_m, 0.2 * found.slide.peak_speed_m_s)
+    fits = []
+    for softer in (2.0, 4.0):
+        monkeypatch.setattr(joint_fit_module, "SOFTER_FIRST", softer)
+        fits.append(joint_fit(window_of(found), BLOCK, start))
+    assert abs(np.log(fits[0].kappa / fits[1].kappa)) < 1e-3 * fits[0].kappa_log_sd
 
 
 def test_derivatives_agree_along_a_line(trial_b):
