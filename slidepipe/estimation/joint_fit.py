@@ -22,9 +22,8 @@ MARGIN_S = 0.03
 LOOSER_HAND = 10.0
 RHO_SD = 0.05
 SOFT_SHARE = 0.35
-SOFTER_FIRST = 3.0
-ROUGHLY, FINELY = 1e-2, 1e-6
-MOST_STEPS = 100
+FIRST_SPEED_SDS = 10.0
+MOST_STEPS = 40
 LARGEST_LAST_STEP = 0.5
 SMALLEST_COLUMN, RIDGE = 1e-9, 1e-12
 COARSEST_STEP_S, FINEST_STEP_S = 0.001, 0.0003
@@ -71,13 +70,12 @@ class JointFit:
 def joint_fit(window: SlideWindow, block: Block, start: JointStart) -> JointFit:
     """Fit hand, object and friction to the measured poses of the window.
 
-    The first state's direction of sliding is poorly known where the object is slow, and friction turns with it at
-    once: from the smoothed motion the search would creep along a bent valley. Friction that fades at a higher speed
-    straightens the valley, so a rough fit with that goes first; the fit proper then starts from its answer.
+    Friction damps sideways sliding within a frame where the object is slow, so the first velocity across the slide
+    is not told by the poses, and a search that is left free runs away along it. It is therefore held to ten standard
+    deviations of the smoothed velocity, a hundredth of what the smoother knows.
     """
-    softer = _Problem(window, block, start, SOFTER_FIRST)
     problem = _Problem(window, block, start)
-    found = _search(problem, _search(softer, softer.first, ROUGHLY).x, FINELY)
+    found = _search(problem)
     covariance = _covariance(found.jac)
     measured = found.jac[: problem.measurements]
     freedom = problem.measurements - float(np.einsum("ij,jk,ik->", measured, covariance, measured))
@@ -94,19 +92,16 @@ def joint_fit(window: SlideWindow, block: Block, start: JointStart) -> JointFit:
     )
 
 
-def _search(problem: "_Problem", first: FloatArray, precision: float) -> OptimizeResult:
-    """Least squares until a step lowers the cost by less than this share of it.
-
-    MINPACK needs no threaded linear algebra, which on a busy machine takes a hundred times as long as its own.
-    """
-    scale = np.sqrt(np.diagonal(_covariance(problem.jacobian(first))))
+def _search(problem: "_Problem") -> OptimizeResult:
+    """Least squares by MINPACK: threaded linear algebra takes a hundred times as long where other processes run."""
+    scale = np.sqrt(np.diagonal(_covariance(problem.jacobian(problem.first))))
     return least_squares(
         problem.residuals,
-        first,
+        problem.first,
         jac=problem.jacobian,
         method="lm",
         x_scale=scale,
-        ftol=precision,
+        ftol=1e-6,
         xtol=1e-9,
         max_nfev=MOST_STEPS,
     )
@@ -123,15 +118,16 @@ def _covariance(jacobian: FloatArray) -> FloatArray:
 class _Problem:
     """Residuals and derivatives; parameters are hand coefficients (3 n), first object state (6), log kappa, log rho."""
 
-    def __init__(self, window: SlideWindow, block: Block, start: JointStart, softer: float = 1.0) -> None:
+    def __init__(self, window: SlideWindow, block: Block, start: JointStart) -> None:
         self.window, self.block, self.start = window, block, start
         rows = np.flatnonzero(window.inside)
+        self.row = int(rows[0])
         self.opens, self.closes = float(window.time_s[rows[0]]), float(window.time_s[rows[-1]])
         self.object_rows: IntArray = rows[window.object.valid[rows]]
         near = (window.time_s >= self.opens - MARGIN_S) & (window.time_s <= self.closes + MARGIN_S)
         self.hand_rows: IntArray = np.flatnonzero(near & window.hand.valid)
         stiffness = self._stiffness()
-        soft_m_s = softer * SOFT_SHARE * start.slowest_m_s
+        soft_m_s = SOFT_SHARE * start.slowest_m_s
         step_s = float(np.clip(2.0 * soft_m_s / stiffness, FINEST_STEP_S, COARSEST_STEP_S))
         self.soft_m_s = max(soft_m_s, stiffness * step_s / 2.0)
         self.steps = max(20, int(np.ceil((self.closes - self.opens) / step_s)))
@@ -179,8 +175,7 @@ class _Problem:
         """Parameters to start from: the smoothed motion."""
         smooth = self.window.hand_smooth.pose[self.hand_rows]
         coefficients = np.linalg.lstsq(self.hand_basis, smooth, rcond=None)[0]
-        row = int(np.flatnonzero(self.window.inside)[0])
-        body = self.window.object_smooth
+        row, body = self.row, self.window.object_smooth
         rest = [np.log(self.start.kappa), np.log(self.start.rho_m)]
         return np.concatenate([coefficients.T.ravel(), body.pose[row], body.velocity[row], rest])
 
@@ -197,7 +192,7 @@ class _Problem:
         return np.asarray((values[:half] - values[half:]).T / (2.0 * step))
 
     def many_residuals(self, batch: FloatArray) -> FloatArray:
-        """(B, R) residuals of B sets of parameters: object, hand, jerk, rho."""
+        """(B, R) residuals of B sets of parameters: object, hand, jerk, first speed, rho."""
         count = self.hand_basis.shape[1]
         coefficients = batch[:, : 3 * count].reshape(len(batch), 3, count)
         noise, q = self.window.hand_smooth.noise, LOOSER_HAND * self.window.hand_smooth.process_noise
@@ -206,8 +201,11 @@ class _Problem:
         body = (self.object_at(batch, coefficients) - self.window.object.pose[self.object_rows]) / (
             self.window.object_smooth.noise
         )
+        speed = (batch[:, -5:-2] - self.first[-5:-2]) / (
+            FIRST_SPEED_SDS * self.window.object_smooth.velocity_sd[self.row]
+        )
         rho = (batch[:, -1:] - np.log(self.start.rho_m)) / RHO_SD
-        return np.concatenate([part.reshape(len(batch), -1) for part in (body, hand, jerk, rho)], axis=1)
+        return np.concatenate([part.reshape(len(batch), -1) for part in (body, hand, jerk, speed, rho)], axis=1)
 
     def object_at(self, batch: FloatArray, coefficients: FloatArray) -> FloatArray:
         """(B, T, 3) predicted object poses at its measurements, by cubic Hermite interpolation of the steps."""

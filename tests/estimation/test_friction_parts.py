@@ -7,7 +7,7 @@ from slidepipe.estimation import joint_fit as joint_fit_module
 from slidepipe.estimation.estimate import estimate
 from slidepipe.estimation.forward import SlidingBlocks
 from slidepipe.estimation.friction import sliding_window
-from slidepipe.estimation.joint_fit import JointStart, _Problem, joint_fit
+from slidepipe.estimation.joint_fit import JointStart, _covariance, _Problem, joint_fit
 from slidepipe.estimation.slide import Slide
 from slidepipe.estimation.weak_form import SlideWindow, bump_functions, quadrature_weights, weak_fit
 
@@ -84,9 +84,9 @@ def test_the_joint_fit_forgets_a_bad_start(trial_a):
         assert fit.kappa == pytest.approx(found.friction.kappa_m_s2, rel=0.002)
 
 
-@pytest.mark.parametrize("seed", [7005, 7007, 7009])
+@pytest.mark.parametrize("seed", [7001, 7003])
 def test_noisy_trials_converge_with_steps_to_spare(seed, monkeypatch):
-    monkeypatch.setattr(joint_fit_module, "MOST_STEPS", 30)
+    monkeypatch.setattr(joint_fit_module, "MOST_STEPS", 12)
     world = simulate(CASE_B, 0.38 * (0.97 + 0.013 * (seed - 7000)), seed)
     cameras = Cameras(seed=seed, position_noise_m=0.0005, angle_noise_rad=0.005)
     found = estimate(request(world, cameras))
@@ -94,14 +94,21 @@ def test_noisy_trials_converge_with_steps_to_spare(seed, monkeypatch):
     assert abs(np.log(found.friction.kappa_m_s2 / world.kappa)) < 3.5 * found.friction.kappa_relative_sd
 
 
-def test_the_softened_fit_leaves_no_trace_in_the_answer(trial_b, monkeypatch):
+def test_the_bound_on_the_first_velocity_is_no_knowledge_of_friction(trial_b, monkeypatch):
     world, asked, found = trial_b
     start = JointStart(world.kappa, asked.rho_m, 0.2 * found.slide.peak_speed_m_s)
     fits = []
-    for softer in (2.0, 4.0):
-        monkeypatch.setattr(joint_fit_module, "SOFTER_FIRST", softer)
+    for sds in (10.0, 20.0):
+        monkeypatch.setattr(joint_fit_module, "FIRST_SPEED_SDS", sds)
         fits.append(joint_fit(window_of(found), BLOCK, start))
-    assert abs(np.log(fits[0].kappa / fits[1].kappa)) < 1e-3 * fits[0].kappa_log_sd
+    assert fits[0].kappa_log_sd == pytest.approx(fits[1].kappa_log_sd, rel=0.03)
+    assert abs(np.log(fits[0].kappa / fits[1].kappa)) < 0.1 * fits[0].kappa_log_sd
+
+
+def test_a_parameter_that_the_poses_do_not_tell_has_a_huge_variance():
+    covariance = _covariance(np.array([[2.0, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0, 0.0, 3.0]]))
+    assert covariance[1, 1] > 1e20
+    np.testing.assert_allclose(covariance[np.ix_([0, 2], [0, 2])], np.linalg.inv([[4.0, 2.0], [2.0, 11.0]]), rtol=1e-9)
 
 
 def test_derivatives_agree_along_a_line(trial_b):
