@@ -9,35 +9,26 @@ from scipy.spatial.transform import Rotation
 from slidepipe.arm import wam
 from slidepipe.arm.model import FLANGE, HAND, Tool, arm_spec
 from slidepipe.errors import InputError
+from slidepipe.lab.grip_model import (
+    BLOCK,
+    FINGER_MASS_KG,
+    PRESCRIBED_INERTIA,
+    ContactSettings,
+    FreeBlock,
+    add_block,
+    add_contacts,
+    add_fingers,
+    closing_forces,
+    compile_grip,
+    set_options,
+)
+from slidepipe.mechanics.dynamics import GRAVITY
+from slidepipe.mechanics.limit_surface import SoftFinger
 from slidepipe.mechanics.planar import MotionPlane, object_pose
+from slidepipe.mechanics.stepping import PlacedFinger
 from slidepipe.series import FloatArray
-from slidepipe.tick import TICK_S
 
-BLOCK = "block"
-FINGERS = ("finger_near", "finger_far")
-FINGER_RADIUS_M = 0.02
-FINGER_MASS_KG = 0.005
-SOLVER_TOLERANCE = 1e-15
-"""At MuJoCo's default of 1e-8 the solver stops while the light block still chatters and creeps through its grip."""
-PRESCRIBED_INERTIA = 1e6
-"""Rotor inertia of an arm that follows its reference whatever pulls at it, kg m^2."""
-
-
-@dataclass(frozen=True, slots=True)
-class ContactSettings:
-    """MuJoCo's soft contact: time step, normal ``solref`` time constant, friction-to-normal impedance ratio."""
-
-    timestep_s: float
-    solref_s: float
-    impratio: float
-
-    def __post_init__(self) -> None:
-        steps = TICK_S / self.timestep_s if self.timestep_s > 0.0 else 0.0
-        if round(steps) < 1 or abs(steps - round(steps)) > 1e-6:
-            raise InputError(
-                f"contact: timestep_s must be a whole part of the control loop's tick of {TICK_S:g} s, "
-                f"got {self.timestep_s!r}"
-            )
+__all__ = ["PRESCRIBED_INERTIA", "ContactSettings", "World", "WorldSettings"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +82,7 @@ class World:
         self.model = _model(settings)
         self.data = mujoco.MjData(self.model)
         self.data.qpos[: wam.JOINT_COUNT] = joints_rad
-        self.data.ctrl[:] = settings.normal_force_per_finger_n
+        self.data.ctrl[:] = closing_forces(_fingers(settings))
         mujoco.mj_kinematics(self.model, self.data)
         self._block_address = int(self.model.joint(BLOCK).qposadr[0])
         self._place_block(r_f_b)
@@ -142,14 +133,13 @@ class World:
 
 def _model(settings: WorldSettings) -> mujoco.MjModel:
     spec = arm_spec(settings.tool, 1.0 + settings.mass_error)
-    _set_options(spec, settings)
-    _add_gripper(spec, settings)
-    _add_block(spec, settings)
-    for finger in FINGERS:
-        _add_contact(spec, finger, settings)
-    model = spec.compile()
-    # The solver's tolerance is relative to the mean inertia, which the heavy arm would spoil for the light block.
-    model.stat.meaninertia = settings.block_mass_kg
+    set_options(spec, settings.contact, np.array([0.0, 0.0, -GRAVITY]))
+    fingers, block = _fingers(settings), FreeBlock(settings.block_size_m, settings.block_mass_kg)
+    _add_frame(spec, settings)
+    add_fingers(spec, FLANGE, fingers, float(block.size_m[2]), length_m=settings.tool.length_m)
+    add_block(spec, block)
+    add_contacts(spec, fingers, settings.contact)
+    model = compile_grip(spec, block)
     arm = slice(0, wam.JOINT_COUNT)
     if settings.prescribed:
         model.dof_armature[arm] = PRESCRIBED_INERTIA
@@ -159,54 +149,16 @@ def _model(settings: WorldSettings) -> mujoco.MjModel:
     return model
 
 
-def _set_options(spec: mujoco.MjSpec, settings: WorldSettings) -> None:
-    spec.option.timestep = settings.contact.timestep_s
-    spec.option.impratio = settings.contact.impratio
-    spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-    spec.option.integrator = mujoco.mjtIntegrator.mjINT_EULER
-    spec.option.tolerance = SOLVER_TOLERANCE
-    spec.option.gravity = [0.0, 0.0, -9.81]
+def _fingers(settings: WorldSettings) -> tuple[PlacedFinger, ...]:
+    """The gripper's two fingers: one opposing pair, that is one finger of the planar model, at {f}."""
+    pair = SoftFinger(settings.friction, 2.0 * settings.normal_force_per_finger_n, a=settings.rho_m, c=1.0)
+    return (PlacedFinger(pair, np.zeros(2)),)
 
 
-def _add_gripper(spec: mujoco.MjSpec, settings: WorldSettings) -> None:
-    """Two spheres on slides along the wrist axis, coupled to close alike; the sum of their forces stays constant."""
-    length = settings.tool.length_m
-    frame = spec.body(FLANGE).add_body(name="gripper", pos=[0.0, 0.0, length / 2])
+def _add_frame(spec: mujoco.MjSpec, settings: WorldSettings) -> None:
+    """The gripper's own weight, half way out."""
+    frame = spec.body(FLANGE).add_body(name="gripper", pos=[0.0, 0.0, settings.tool.length_m / 2])
     frame.mass = wam.GRIPPER_MASS_KG - settings.block_mass_kg - 2 * FINGER_MASS_KG
     frame.ipos = [0.0, 0.0, 0.0]
     frame.inertia = [frame.mass * 0.03**2] * 3
     frame.explicitinertial = True
-    reach = settings.block_size_m[2] / 2 + FINGER_RADIUS_M
-    for name, side in zip(FINGERS, (-1.0, 1.0), strict=True):
-        finger = spec.body(FLANGE).add_body(name=name, pos=[0.0, 0.0, length + side * reach])
-        finger.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0.0, 0.0, -side])
-        finger.add_geom(
-            name=name, type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[FINGER_RADIUS_M, 0, 0], mass=FINGER_MASS_KG,
-            contype=0, conaffinity=0,
-        )  # fmt: skip
-        motor = spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
-        motor.set_to_motor()
-    mirror = spec.add_equality(name="mirror", type=mujoco.mjtEq.mjEQ_JOINT, name1=FINGERS[0], name2=FINGERS[1])
-    mirror.data[:2] = [0.0, 1.0]
-    mirror.solref = [2 * settings.contact.timestep_s, 1.0]
-
-
-def _add_block(spec: mujoco.MjSpec, settings: WorldSettings) -> None:
-    block = spec.worldbody.add_body(name=BLOCK)
-    block.add_freejoint(name=BLOCK)
-    block.add_geom(
-        name=BLOCK, type=mujoco.mjtGeom.mjGEOM_BOX, size=settings.block_size_m / 2, mass=settings.block_mass_kg,
-        contype=0, conaffinity=0,
-    )  # fmt: skip
-
-
-def _add_contact(spec: mujoco.MjSpec, finger: str, settings: WorldSettings) -> None:
-    """The paper's ellipsoid: an elliptic cone of dimension 4 whose torsional coefficient is ``mu c a``."""
-    mu = settings.friction
-    pair = spec.add_pair(name=finger, geomname1=finger, geomname2=BLOCK, condim=4)
-    pair.friction = [mu, mu, mu * settings.rho_m, 0.0, 0.0]
-    pair.solref = [settings.contact.solref_s, 1.0]
-    # As stiff as the time step allows: MuJoCo leaves the turning of the arm (J' q') out of the contact's acceleration,
-    # and a stuck block creeps by that times this time constant.
-    pair.solreffriction = [2.0 * settings.contact.timestep_s, 1.0]
-    pair.solimp = [0.99, 0.99, 0.001, 0.5, 2.0]

@@ -21,6 +21,11 @@ def contact_force(inverse_m, inverse_i, force, rho, r_x, r_y, b_x, b_y, b_z, k_s
     ``inverse_m`` and ``inverse_i`` are 1/m and 1/I, times the step where b is a velocity; ``force`` is mu f_N, ``rho``
     is c a, and ``k_start`` a guess of k, zero if there is none. Returns (f_x, f_y, m_z, k): k is zero where it sticks.
     """
+    # W f = b outright: what moves the object with the hand.
+    f_x, f_y = (b_x + b_z * r_y) / inverse_m, (b_y - b_z * r_x) / inverse_m
+    m_z = b_z / inverse_i - r_x * f_y + r_y * f_x
+    if rho * rho * (f_x * f_x + f_y * f_y - force * force) + m_z * m_z <= 0.0:
+        return f_x, f_y, m_z, 0.0
     # S W S and S b; S = force * diag(1, 1, rho).
     square = force * force
     a11 = square * (inverse_m + r_y * r_y * inverse_i)

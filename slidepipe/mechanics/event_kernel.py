@@ -3,26 +3,32 @@
 The state of a slide is ``(r_x, r_y, theta, v_x, v_y, omega)``: the finger's place in {b} and the object's angle and
 velocities in {w}. The object's position follows from the hand's: nothing small is a difference of large numbers.
 
-A slow slide is stiff: the direction of its friction settles within a time |dv| m / (mu f_N). So a step is made of
+A slow slide is stiff: the direction of its friction settles within a time |dv| m / (mu f_N). Its steps are made of
 implicit Euler's, whose contact is solved outright (:mod:`slidepipe.mechanics.contact_kernel`), in 1, 2 ... 7 parts that
-are extrapolated to order seven, as in Hairer and Wanner's SEULEX. It starts from rest by itself, and a slide that comes
-to its end is cut into steps that each leave a share of its speed.
+are extrapolated to order seven at most, as in Hairer and Wanner's SEULEX. They start from rest by themselves, and a
+slide that comes to its end is cut into steps that each leave a share of its speed. Where the slide is fast and its
+direction changes, explicit steps of order eight get further (:mod:`slidepipe.mechanics.explicit_kernel`).
 """
 
 import numpy as np
 from numba import njit, prange
 
 from slidepipe.mechanics.contact_kernel import contact_force
+from slidepipe.mechanics.explicit_kernel import GRAVITY, STAGES, explicit_step, slide_rate, stable_step
+from slidepipe.mechanics.hand_kernel import FAST, angle_at, hand_at, hand_velocity, piece_of
 
-FAST = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "arcp", "nsz", "reassoc"}}
-"""Sums may be reordered and fused; NaN and infinity keep their meaning."""
 ORDER = 7
-GRAVITY = 9.81
 STUCK, SLIDING, LEFT, FAILED = 0, 1, 2, 3
-"""How a trial ends: held, still sliding, with the contact beyond the face, or with a step that could not be taken."""
+"""How a trial ends: held, sliding, with the contact beyond the face, or with a step that could not be taken."""
 FIRST_STEP_S = 1e-3
 SCALES = np.array([1.0, 1.0, 10.0, 3.0, 3.0, 30.0])
 """Tolerances beside that of the place in {b}, m: of the angle, the speeds and the spin."""
+CHEAPER = 0.4
+"""An explicit step may be this much shorter than an implicit one."""
+IDLE = 0.01
+"""Error of an explicit step, held short by stability, below which an implicit one may be longer than it was."""
+MOST_GROWTH = 5.0
+"""From one step to the next."""
 LEAVE = 0.85
 """Share of the time until a slide stops that a step may take."""
 REST = 0.1
@@ -31,69 +37,6 @@ SCANS = 6
 """Places in each piece of the hand's motion where a sticking grip is looked at."""
 MOST_STEPS = 4000
 INSIDE = 1.0 - 1e-13
-
-
-@njit(**FAST)
-def piece_of(breaks, t):
-    """Index of the piece that holds t."""
-    low, high = 0, len(breaks) - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if breaks[middle] <= t:
-            low = middle
-        else:
-            high = middle
-    return low
-
-
-@njit(**FAST)
-def hand_at(breaks, coefficients, scale, t):
-    """Velocity and acceleration of the hand at t: (v_x, v_y, omega, a_x, a_y, alpha)."""
-    last = len(breaks) - 1
-    if t < breaks[0] or t >= breaks[last]:
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    low = piece_of(breaks, t)
-    s = t - breaks[low]
-    v0, v1, v2, a0, a1, a2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for d in range(coefficients.shape[1] - 1, 0, -1):
-        c = coefficients[low, d]
-        v0, v1, v2 = v0 * s + d * c[0], v1 * s + d * c[1], v2 * s + d * c[2]
-        if d > 1:
-            e = d * (d - 1)
-            a0, a1, a2 = a0 * s + e * c[0], a1 * s + e * c[1], a2 * s + e * c[2]
-    return scale * v0, scale * v1, scale * v2, scale * a0, scale * a1, scale * a2
-
-
-@njit(**FAST)
-def hand_velocity(breaks, coefficients, scale, t, near):
-    """Velocity of the hand alone, at a time in or after piece ``near``: what each stage of a slide needs."""
-    last = len(breaks) - 1
-    if t >= breaks[last]:
-        return 0.0, 0.0, 0.0
-    low = near
-    while breaks[low + 1] <= t:
-        low += 1
-    s = t - breaks[low]
-    d = coefficients.shape[1] - 1
-    v0, v1, v2 = d * coefficients[low, d, 0], d * coefficients[low, d, 1], d * coefficients[low, d, 2]
-    for d in range(coefficients.shape[1] - 2, 0, -1):
-        v0 = v0 * s + d * coefficients[low, d, 0]
-        v1 = v1 * s + d * coefficients[low, d, 1]
-        v2 = v2 * s + d * coefficients[low, d, 2]
-    return scale * v0, scale * v1, scale * v2
-
-
-@njit(**FAST)
-def angle_at(breaks, coefficients, scale, t):
-    """Angle of the hand at t."""
-    last = len(breaks) - 1
-    t = min(max(t, breaks[0]), breaks[last])
-    low = piece_of(breaks, t)
-    s, angle = t - breaks[low], 0.0
-    for d in range(coefficients.shape[1] - 1, -1, -1):
-        angle = angle * s + coefficients[low, d, 2]
-    start = coefficients[0, 0, 2]
-    return start + scale * (angle - start)
 
 
 @njit(**FAST)
@@ -118,13 +61,13 @@ def stick_load(breaks, coefficients, body, r, t):
 
 
 @njit(**FAST)
-def euler(breaks, coefficients, body, t, h, parts, y, k, new):
+def euler(breaks, coefficients, body, t, near, h, parts, y, k, new):
     """Implicit Euler from y at t over ``parts`` steps of h into ``new``; returns k of the contact, -1 if it stuck."""
     h_m, h_i = h / body[0], h / body[1]
     for i in range(6):
         new[i] = y[i]
     for part in range(1, parts + 1):
-        h0, h1, h2, _a0, _a1, _a2 = hand_at(breaks, coefficients, body[4], t + part * h)
+        h0, h1, h2 = hand_velocity(breaks, coefficients, body[4], t + part * h, near)
         c, s = np.cos(new[2]), np.sin(new[2])
         r_x, r_y = c * new[0] - s * new[1], s * new[0] + c * new[1]
         v_y = new[4] - h * GRAVITY
@@ -143,21 +86,39 @@ def euler(breaks, coefficients, body, t, h, parts, y, k, new):
 
 
 @njit(**FAST)
-def try_step(breaks, coefficients, body, tolerance, t, y, h, k, table):
-    """One extrapolated step from y at t into ``table[0]``; returns error over tolerance, and k; both -1 if it stuck."""
+def implicit_step(breaks, coefficients, body, tolerance, t, y, h, k, table):
+    """One extrapolated step from y at t into ``table[0]``, of the lowest order that is good enough.
+
+    Returns (error over tolerance, k, the next step's length: that which gets furthest for its work); the first two are
+    -1 if it stuck on the way.
+    """
+    near, work, least, error, longest = piece_of(breaks, t), 0.0, np.inf, np.inf, 0.0
     for row in range(ORDER):
         parts = row + 1
-        k = euler(breaks, coefficients, body, t, h / parts, parts, y, k, table[row])
+        k = euler(breaks, coefficients, body, t, near, h / parts, parts, y, k, table[row])
         if k < 0.0:
-            return -1.0, k
+            return -1.0, k, h
         for lower in range(row - 1, -1, -1):
             share = (lower + 1.0) / (parts - lower - 1.0)
             for i in range(6):
                 table[lower, i] = table[lower + 1, i] + (table[lower + 1, i] - table[lower, i]) * share
-    total = 0.0
-    for i in range(6):
-        total += ((table[0, i] - table[1, i]) / (tolerance * SCALES[i])) ** 2
-    return np.sqrt(total / 6.0), k
+        work += parts
+        if row == 0:
+            continue
+        total = 0.0
+        for i in range(6):
+            total += ((table[0, i] - table[1, i]) / (tolerance * SCALES[i])) ** 2
+        error = np.sqrt(total / 6.0)
+        length = h * min(MOST_GROWTH, 0.9 * error ** (-1.0 / parts)) if error > 0.0 else MOST_GROWTH * h
+        if work < least * length:
+            least, longest = work / length, length
+            # The next order up may get further yet.
+            ahead = (work + parts + 1) / work if row < ORDER - 1 else 1.0
+        else:
+            ahead = 1.0
+        if error <= 1.0 and row >= 2:
+            return error, k, min(MOST_GROWTH * h, longest * ahead)
+    return error, k, longest
 
 
 @njit(**FAST)
@@ -229,29 +190,57 @@ def begin_slide(breaks, coefficients, body, r, t, y):
 
 
 @njit(**FAST)
-def slide(breaks, coefficients, jumps, body, tolerance, end, r, t, y, table, path, count):
-    """Integrate a slide until it stops, leaves the face or ``end`` comes; ``r`` receives the relative pose.
+def advance(breaks, coefficients, body, tolerance, t, limit, y, speed, left, steps, table, work):
+    """Try one step from y at t, no further than ``limit``, by whichever method gets further for its work.
 
-    Returns (time, ended as, knots in ``path``).
+    ``steps`` holds what is tried next: the lengths of an implicit and of an explicit step, k of the contact, and one
+    if ``work[0]`` holds the rate at t. Returns (length tried, whether y went on, whether to ``limit``).
     """
-    h, jump, k, peak = FIRST_STEP_S, 0, 0.0, 0.0
-    d = np.empty(3)
+    stable = min(steps[1], stable_step(body, y, speed))
+    stiff = stable < CHEAPER * steps[0]
+    h = min(steps[0] if stiff else stable, LEAVE * left)
+    at_limit = h >= limit - t
+    # A phase ends just before the acceleration jumps.
+    h = (limit - t) * INSIDE if at_limit else h
+    if stiff:
+        error, k, longest = implicit_step(breaks, coefficients, body, tolerance, t, y, h, steps[2], table)
+        good, steps[3] = 0.0 <= error <= 1.0, 0.0
+        if good:
+            steps[0], steps[1], steps[2] = longest, 2.0 * steps[1], k
+        else:
+            steps[0] = 0.5 * h if not error >= 0.0 else min(0.9 * h, max(0.2 * h, longest))
+    else:
+        if steps[3] == 0.0:
+            slide_rate(breaks, coefficients, body, t, piece_of(breaks, t), y, work[0])
+        error = explicit_step(breaks, coefficients, body, tolerance, SCALES, t, y, h, work, table[0])
+        good = error <= 1.0
+        steps[1] = h * min(MOST_GROWTH, max(0.2, 0.9 * error**-0.125)) if error > 0.0 else MOST_GROWTH * h
+        steps[2], steps[3] = 0.0, 1.0
+        if good:
+            # The rate goes on where the acceleration jumps.
+            work[0, :] = work[STAGES]
+            if error < IDLE:
+                steps[0] *= 1.5
+    if good:
+        y[:] = table[0]
+    return h, good, at_limit
+
+
+@njit(**FAST)
+def slide(breaks, coefficients, jumps, body, tolerance, end, r, t, y, table, work, path, count):
+    """Integrate a slide until it stops, leaves the face or ``end`` comes: (time, ended as, knots in ``path``)."""
+    steps, d = np.array([FIRST_STEP_S, np.inf, 0.0, 0.0]), np.empty(3)
+    jump, left, speed, peak = 0, np.inf, 0.0, 0.0
     for _ in range(MOST_STEPS):
         while jump < len(breaks) and (breaks[jump] <= t or not jumps[jump]):
             jump += 1
         limit = min(end, breaks[jump]) if jump < len(breaks) else end
-        at_limit = h >= limit - t
-        # A phase ends just before the acceleration jumps.
-        h = (limit - t) * INSIDE if at_limit else h
-        error, k_new = try_step(breaks, coefficients, body, tolerance, t, y, h, k, table)
-        if not 0.0 <= error <= 1.0:
-            h *= 0.5 if not error >= 0.0 else max(0.2, 0.9 * error ** (-1.0 / ORDER))
+        h, good, at_limit = advance(breaks, coefficients, body, tolerance, t, limit, y, speed, left, steps, table, work)
+        if not good:
             if h < 1e-14:
                 return t, FAILED, count
             continue
-        t, k = limit if at_limit else t + h, k_new
-        y[:] = table[0]
-        h *= min(5.0, 0.9 * error ** (-1.0 / ORDER)) if error > 0.0 else 5.0
+        t = limit if at_limit else t + h
         speed, rate = sliding(breaks, coefficients, body, t, y, d)
         peak = max(peak, speed)
         r[0], r[1], r[2] = y[0], y[1], angle_at(breaks, coefficients, body[4], t) - y[2]
@@ -262,13 +251,11 @@ def slide(breaks, coefficients, jumps, body, tolerance, end, r, t, y, table, pat
             count += 1
         if abs(y[0]) > body[5] or abs(y[1]) > body[6]:
             return t, LEFT, count
-        if rate < 0.0 and speed < peak:
-            left = -speed / rate
-            if 0.5 * left * speed < REST * tolerance:
-                for i in range(3):
-                    r[i] += 0.5 * left * d[i]
-                return t + left, STUCK, count
-            h = min(h, LEAVE * left)
+        left = -speed / rate if rate < 0.0 and speed < peak else np.inf
+        if 0.5 * left * speed < REST * tolerance:
+            for i in range(3):
+                r[i] += 0.5 * left * d[i]
+            return t + left, STUCK, count
         if t >= end:
             return t, SLIDING, count
     return t, FAILED, count
@@ -281,7 +268,7 @@ def run_trial(breaks, coefficients, jumps, body, tolerance, end, r, path, out):
     ``body`` is (m, I, mu f_N, c a, hand scale, half length, half width); ``out`` receives (ended as, slides, begun,
     ended, knots).
     """
-    y, table = np.empty(6), np.empty((ORDER, 6))
+    y, table, work = np.empty(6), np.empty((ORDER, 6)), np.empty((STAGES + 1, 6))
     t, ended, slides, begun, stopped, count = breaks[0], STUCK, 0, np.nan, np.nan, 0
     jump = 1
     while t < end and slides < MOST_STEPS:
@@ -295,7 +282,7 @@ def run_trial(breaks, coefficients, jumps, body, tolerance, end, r, path, out):
         if slides == 1:
             begun = t
         begin_slide(breaks, coefficients, body, r, t, y)
-        t, ended, count = slide(breaks, coefficients, jumps, body, tolerance, end, r, t, y, table, path, count)
+        t, ended, count = slide(breaks, coefficients, jumps, body, tolerance, end, r, t, y, table, work, path, count)
         stopped = t
         if ended != STUCK:
             break

@@ -7,6 +7,7 @@ from samples. For hands that come as samples alone and for fingers apart from ea
 
 from dataclasses import dataclass
 from enum import IntEnum
+from math import isfinite
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
@@ -93,10 +94,11 @@ def simulate(
     InputError
         A value that is not finite, or a contact that begins beyond the object's face.
     """
-    sets = ParameterSets.of(block, finger, r_f_b)
-    r, out, path = sets.r_f_b[0].copy(), np.empty(5), np.empty((event_kernel.MOST_STEPS, 7))
+    r, out, path = _start(block, r_f_b), np.empty(5), np.empty((event_kernel.MOST_STEPS, 7))
+    half_sides = (block.length / 2, block.width / 2)
+    body = np.array([block.m, block.inertia, finger.mu * finger.f_N, finger.c * finger.a, 1.0, *half_sides])
     event_kernel.run_trial(
-        hand.breaks, hand.coefficients, hand.jumps, sets.bodies[0], _checked(tolerance), _end(hand), r, path, out
+        hand.breaks, hand.coefficients, hand.jumps, body, _checked(tolerance), _end(hand), r, path, out
     )
     return Outcome(
         r_f_b=r,
@@ -133,6 +135,15 @@ def relative_motion(outcome: Outcome, r_f_b: FloatArray, time_s: FloatArray) -> 
     keep = np.concatenate([[True], np.diff(times) > 0.0])
     spline = CubicHermiteSpline(times[keep], poses[keep], rates[keep])
     return np.asarray(spline(np.clip(time_s, times[0], times[-1])))
+
+
+def _start(block: Block, r_f_b: FloatArray) -> FloatArray:
+    r = np.array(r_f_b, dtype=float)
+    if r.shape != (3,) or not all(map(isfinite, r)):
+        raise InputError(f"simulation: r_f_b must be three finite numbers, got {r_f_b!r}")
+    if abs(r[0]) > block.length / 2 or abs(r[1]) > block.width / 2:
+        raise InputError(f"simulation: r_f_b must begin on the object's face, got {r_f_b!r}")
+    return r
 
 
 def _end(hand: HandMotion) -> float:

@@ -73,7 +73,7 @@ def step_through(
     >>> still.sliding_steps
     0
     """
-    _check(time_s, q_f)
+    time_s, q_f = _checked(time_s, q_f)
     start = np.array(r_f_b, dtype=float)
     if start.shape != (3,) or not np.all(np.isfinite(start)):
         raise InputError(f"stepping: r_f_b must be three finite numbers, got {start!r}")
@@ -91,7 +91,7 @@ def step_through(
 
 def step_many(time_s: FloatArray, q_f: FloatArray, sets: ParameterSets) -> FloatArray:
     """Last relative pose (N, 3) for each parameter set under one hand and one finger at its origin, on all cores."""
-    _check(time_s, q_f)
+    time_s, q_f = _checked(time_s, q_f)
     r, v = sets.r_f_b.copy(), np.zeros_like(sets.r_f_b)
     contacts = np.zeros((len(sets.bodies), 1, 4))
     contacts[:, 0, :2] = sets.bodies[:, 2:4]
@@ -118,13 +118,14 @@ def _contacts(fingers: tuple[PlacedFinger, ...]) -> FloatArray:
     return np.array(rows)
 
 
-def _check(time_s: FloatArray, q_f: FloatArray) -> None:
-    if np.ndim(time_s) != 1 or len(time_s) < 2 or np.shape(q_f) != (len(time_s), 3):
-        raise InputError(
-            f"stepping: times (T,) and poses (T, 3) must go together, got {np.shape(time_s)}, {np.shape(q_f)}"
-        )
+def _checked(time_s: FloatArray, q_f: FloatArray) -> tuple[FloatArray, FloatArray]:
+    time_s, q_f = np.ascontiguousarray(time_s, dtype=float), np.ascontiguousarray(q_f, dtype=float)
+    if time_s.ndim != 1 or len(time_s) < 2 or q_f.shape != (len(time_s), 3):
+        raise InputError(f"stepping: times (T,) and poses (T, 3) must go together, got {time_s.shape}, {q_f.shape}")
     if not (np.all(np.isfinite(time_s)) and np.all(np.isfinite(q_f))):
         raise InputError("stepping: the hand's motion must be finite, got NaN or infinity")
     back = np.flatnonzero(np.diff(time_s) <= 0.0)
     if len(back):
-        raise InputError(f"stepping: times must grow, got {time_s[back[0] + 1]!r} s after {time_s[back[0]]!r} s")
+        later, sooner = float(time_s[back[0] + 1]), float(time_s[back[0]])
+        raise InputError(f"stepping: times must grow, got {later!r} s after {sooner!r} s")
+    return time_s, q_f
