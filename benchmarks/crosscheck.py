@@ -11,13 +11,14 @@ from dataclasses import dataclass
 import numpy as np
 from support.motions import Case, linear, random_case, rotational
 
-from slidepipe.lab.grip_model import FINGER_MASS_KG as LAB_FINGER_KG
-from slidepipe.lab.grip_model import ContactSettings
-from slidepipe.lab.planar_rig import FINGER_MASS_KG, REST_S, planar_rig, run_rig
+from slidepipe.lab.grip_model import FINGER_MASS_KG, ContactSettings
+from slidepipe.lab.planar_rig import REST_S, planar_rig, run_rig
 from slidepipe.mechanics.simulate import simulate
 from slidepipe.mechanics.stepping import step_through
 from slidepipe.series import FloatArray
 
+HEAVY_FINGER_KG = 0.005
+"""Spheres of this mass show how much their hopping does."""
 STEP_S = 5e-5
 """Of the implicit stepping; the other step is twice as long."""
 SLID_M = 1e-3
@@ -118,8 +119,8 @@ def _compare(case: Case, contact: ContactSettings, finger_mass_kg: float = FINGE
 def _print_paper(found: list[Difference], contact: ContactSettings) -> None:
     print("\nthe paper's regrasps            position mm   angle mrad")
     for one in found:
-        heavy = _compare(one.case, contact, LAB_FINGER_KG)
-        for name, what in ((one.case.name, one), (f"  with spheres of {1e3 * LAB_FINGER_KG:g} g", heavy)):
+        heavy = _compare(one.case, contact, HEAVY_FINGER_KG)
+        for name, what in ((one.case.name, one), (f"  with spheres of {1e3 * HEAVY_FINGER_KG:g} g", heavy)):
             print(f"{name:30s} {what.position_mm:12.4f} {what.angle_mrad:12.3f}")
 
 

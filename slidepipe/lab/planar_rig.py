@@ -9,6 +9,7 @@ from mujoco import rollout
 from slidepipe.errors import InputError
 from slidepipe.lab.grip_model import (
     BLOCK,
+    FINGER_MASS_KG,
     PRESCRIBED_INERTIA,
     ContactSettings,
     FreeBlock,
@@ -25,8 +26,6 @@ from slidepipe.mechanics.planar import object_pose, relative_pose
 from slidepipe.mechanics.stepping import PlacedFinger
 from slidepipe.series import FloatArray
 
-FINGER_MASS_KG = 5e-5
-"""So light that its hops while it slides do not count: with 5 g Section VIII-B ends 13 mrad away from the mechanics."""
 HAND = "hand"
 HAND_MASS_KG = 1e-3
 """Of no weight beside what its joints resist with."""
