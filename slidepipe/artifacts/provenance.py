@@ -7,7 +7,6 @@ import platform
 import re
 import shutil
 import subprocess
-import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -83,11 +82,6 @@ def environment() -> Environment:
         host=platform.node(),
         packages={name: _version(name) for name in sorted(needed)},
     )
-
-
-def command_line() -> tuple[str, ...]:
-    """Return the command that started this process."""
-    return tuple(sys.argv)
 
 
 def _requirements() -> list[str]:

@@ -12,7 +12,6 @@ from slidepipe.mechanics import stepping_kernel
 from slidepipe.mechanics.dynamics import Block
 from slidepipe.mechanics.limit_surface import SoftFinger
 from slidepipe.mechanics.parameters import ParameterSets
-from slidepipe.mechanics.planar import rotation
 from slidepipe.series import FloatArray
 
 UNSETTLED = 1e-6
@@ -98,12 +97,6 @@ def step_many(time_s: FloatArray, q_f: FloatArray, sets: ParameterSets) -> Float
     bodies = np.ascontiguousarray(sets.bodies[:, [0, 1, 4]])
     stepping_kernel.run_samples_batch(time_s, q_f, bodies, contacts, r, v)
     return r
-
-
-def finger_places(fingers: tuple[PlacedFinger, ...], q_f: FloatArray) -> FloatArray:
-    """Places (n, 2) of the fingers in {w} for a pose of the hand."""
-    places = np.array([finger.place for finger in fingers])
-    return np.asarray(np.asarray(q_f)[:2] + places @ rotation(q_f[2])[:2, :2].T)
 
 
 def _contacts(fingers: tuple[PlacedFinger, ...]) -> FloatArray:

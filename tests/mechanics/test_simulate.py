@@ -19,7 +19,7 @@ from slidepipe.mechanics.hand_motion import HandMotion
 from slidepipe.mechanics.limit_surface import SoftFinger
 from slidepipe.mechanics.one_dof import Accelerations, Profile
 from slidepipe.mechanics.parameters import ParameterSets
-from slidepipe.mechanics.simulate import Ended, simulate, simulate_many
+from slidepipe.mechanics.simulate import Ended, relative_motion, simulate, simulate_many
 
 ACCURATE = np.array([1e-8, 1e-8, 1e-7])
 LOOSE = SoftFinger(mu=0.4, f_N=1.5, a=0.02, c=0.6)
@@ -33,6 +33,20 @@ def test_a_planned_motion_ends_at_its_goal_and_slides_when_it_should(name: str) 
     assert (outcome.ended, outcome.slides) == (Ended.STUCK, 1)
     assert outcome.slide_start_s == pytest.approx(regrasp.T1, abs=1e-9)
     assert outcome.slide_stop_s == pytest.approx(regrasp.T1 + regrasp.T23, abs=1e-5)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_way_there_is_the_planned_one(name: str) -> None:
+    """The bang-bang profile of Fig. 6, in closed form, also between the knots."""
+    regrasp, finger = CASES[name]
+    time_s = np.linspace(0.0, regrasp.boundaries[-1], 301)
+    t = np.clip(time_s - regrasp.T1, 0.0, regrasp.T23)[:, None]
+    back = regrasp.T23 - t
+    early = regrasp.r_start + 0.5 * regrasp.ddr * t**2
+    planned = np.where(t < back, early, regrasp.r_goal - 0.5 * regrasp.ddr * back**2)
+    outcome = simulate(HANDS[name], BLOCK, finger, regrasp.r_start)
+    found = relative_motion(outcome, regrasp.r_start, time_s)
+    np.testing.assert_allclose(found, planned, atol=1e-6)
 
 
 @pytest.mark.parametrize("name", CASES)
