@@ -1,4 +1,4 @@
-"""The arm near one pose of the hand, to first order: what a motion in the plane asks of each joint, at the price of a sum.
+"""The arm near one pose of the hand, to first order: what a motion in the plane asks of each joint, for a sum.
 
 A search asks it thousands of times where the arm itself is asked once.
 """

@@ -20,7 +20,8 @@ from slidepipe.planning.profile_kernel import (
     hand_pieces,
 )
 
-TICK_S = 0.002
+GRID_S = 1e-4
+"""Durations are whole numbers of this, so that a plan can be read."""
 MOST_TURN_RAD = 0.3
 """An object that turned further in the hand than it was to is lost."""
 REST_S = 0.5
@@ -31,11 +32,12 @@ ACCELERATION_UNIT = 20.0
 LOST = 1.5
 """Measure of a trial whose object is lost; from one on it is no better than not to have tried."""
 ANGLE, LOG_STICK, LOG_TEAR, LOG_BRAKE, CATCH_SHARE, LOG_SETTLE, LOG_FORCE = range(7)
-"""Entries of a choice: the object's angle at the start of sliding, logarithms of T1, T2, T3 / T2, Tc / T2, that of T4, and
-that of the grip force beside the believed one."""
+"""Entries of a choice: the object's angle at the start of sliding, logarithms of T1, T2, T3 / T2, Tc / T2, that of
+T4, and that of the grip force beside the believed one."""
 CHOICES = 7
 (
-    EXCESS, LENGTH_S, HAND_ACCELERATION, HAND_SPEED, OFF_CENTRE, FACE_SHARE, LOAD_BEFORE, LOAD_AFTER, ARM_SHARE, ERROR, COST,
+    EXCESS, LENGTH_S, HAND_ACCELERATION, HAND_SPEED, OFF_CENTRE, FACE_SHARE, LOAD_BEFORE, LOAD_AFTER, ARM_SHARE,
+    ERROR, COST,
 ) = range(11)  # fmt: skip
 FIGURES = 11
 FOR_TIME, FOR_ACCELERATION, FOR_ERROR, FOR_LOAD, FOR_FORCE, DEMANDED, MOST, SIMULATED = range(8)
@@ -47,20 +49,20 @@ SURVIVES_TOO_LITTLE, BREAKS_LIMITS = 50.0, 100.0
 
 
 @njit(**FAST)
-def on_ticks(duration, least):
-    """Whole number of ticks, in s."""
-    return TICK_S * max(least, round(duration / TICK_S))
+def rounded(duration):
+    """A duration on the grid that plans are written with, s."""
+    return round(duration / GRID_S) * GRID_S
 
 
 @njit(**FAST)
 def read_choice(choice, times):
-    """Durations of the phases, on ticks."""
+    """Durations of the phases."""
     T2 = np.exp(choice[LOG_TEAR])
-    times[STICK] = on_ticks(np.exp(choice[LOG_STICK]), 1)
-    times[TEAR] = on_ticks(T2, 1)
-    times[BRAKE] = on_ticks(T2 * np.exp(choice[LOG_BRAKE]), 1)
-    times[CATCH] = on_ticks(T2 * choice[CATCH_SHARE], 0)
-    times[SETTLE] = on_ticks(np.exp(choice[LOG_SETTLE]), 1)
+    times[STICK] = rounded(np.exp(choice[LOG_STICK]))
+    times[TEAR] = rounded(T2)
+    times[BRAKE] = rounded(T2 * np.exp(choice[LOG_BRAKE]))
+    times[CATCH] = rounded(T2 * choice[CATCH_SHARE])
+    times[SETTLE] = rounded(np.exp(choice[LOG_SETTLE]))
 
 
 @njit(**FAST)
@@ -99,7 +101,7 @@ def face_share(body, fingers, r_x, r_y, angle):
     worst = 0.0
     for i in range(len(fingers)):
         x, y = r_x + c * fingers[i, 2] - s * fingers[i, 3], r_y + s * fingers[i, 2] + c * fingers[i, 3]
-        worst = max(worst, max(abs(x) / body[5], abs(y) / body[6]))
+        worst = max(worst, abs(x) / body[5], abs(y) / body[6])
     return worst
 
 
@@ -117,7 +119,7 @@ def measure(body, r, ended, r_start, r_goal, rho):
         return LOST
     nearer = distance(r, r_goal, rho) / distance(r_start, r_goal, rho)
     turned = abs(r[2] - r_goal[2]) / MOST_TURN_RAD
-    return max(max(nearer, turned), max(abs(r[0]) / body[5], abs(r[1]) / body[6]) - 1e-9)
+    return max(nearer, turned, abs(r[0]) / body[5] - 1e-9, abs(r[1]) / body[6] - 1e-9)
 
 
 @njit(**FAST)
@@ -173,7 +175,7 @@ def arm_share(arm, row):
         torque = arm[3, joint] * row[15] + arm[4, joint] * row[16] + arm[5, joint] * row[17] + arm[WEIGHT, joint]
         drag = arm[DRY, joint] + arm[VISCOUS, joint] * abs(speed)
         off = abs(q - arm[MIDDLE, joint]) / arm[HALF, joint]
-        worst = max(worst, max(off, max(abs(speed) / arm[SPEED, joint], (abs(torque) + drag) / arm[TORQUE, joint])))
+        worst = max(worst, off, abs(speed) / arm[SPEED, joint], (abs(torque) + drag) / arm[TORQUE, joint])
         change = arm[0, joint] * row[15] + arm[1, joint] * row[16] + arm[2, joint] * row[17]
         worst = max(worst, abs(change) / arm[ACCELERATION, joint])
     v_x = arm[6, 0] * row[12] + arm[6, 1] * row[13] + arm[6, 2] * row[14]
@@ -202,24 +204,8 @@ def lay_out(choice, body, fingers, task, times, tables, nodes, integral, q_start
 
 
 @njit(**FAST)
-def assess(choice, body, fingers, task, limits, arm, wish, nodes, integral, powers, figures):
-    """Fill ``figures`` for a choice.
-
-    ``task`` (5, 3): start pose of the object, r_start, d, end pose of the object (NaN where free), and (free angle, -, -).
-    ``limits`` (9,): hand acceleration and speed, workspace (x, y, radius), load while sticking, region (x, y, radius).
-    ``wish`` (WISHES,): weights of what is to be small or large, the friction error demanded and the most that counts, and
-    whether friction errors are simulated or taken from the formula of a straight slide.
-    """
-    N = len(nodes)
-    times, tables, dq_slide = np.zeros(PHASES), np.empty((PHASES, N, COLUMNS)), np.empty(3)
-    read_choice(choice, times)
-    gripped = fingers.copy()
-    gripped[:, 0] *= np.exp(choice[LOG_FORCE])
-    r_start, d = task[1], task[2]
-    r_goal = r_start + d
-    q_start, q_slide = np.empty(3), np.empty(3)
-    lay_out(choice, body, gripped, task, times, tables, nodes, integral, q_start, q_slide, dq_slide)
-    figures[:] = 0.0
+def hand_figures(times, tables, limits, arm, figures):
+    """Figures of the hand and the arm: length, accelerations, speeds, how far off the middle of the workspace."""
     for phase in range(PHASES):
         if times[phase] <= 0.0:
             continue
@@ -230,40 +216,70 @@ def assess(choice, body, fingers, task, limits, arm, wish, nodes, integral, powe
             off = np.hypot(row[9] - limits[2], row[10] - limits[3])
             figures[OFF_CENTRE] = max(figures[OFF_CENTRE], off)
             figures[ARM_SHARE] = max(figures[ARM_SHARE], arm_share(arm, row))
-        if phase in (TEAR, BRAKE):
-            for row in tables[phase]:
-                c, s = np.cos(row[2]), np.sin(row[2])
-                x, y = row[9] - row[0], row[10] - row[1]
-                share = face_share(body, gripped, c * x + s * y, -s * x + c * y, row[11] - row[2])
-                figures[FACE_SHARE] = max(figures[FACE_SHARE], share)
-    end_theta = tables[SETTLE, N - 1, 2]
-    held_start = stick_share(body, gripped, r_start[0], r_start[1], r_start[2], q_start[2], 0.0, 0.0, 0.0)
-    held_end = stick_share(body, gripped, r_goal[0], r_goal[1], r_goal[2], end_theta, 0.0, 0.0, 0.0)
-    figures[LOAD_BEFORE] = max(held_start, phase_load(body, gripped, r_start, tables[STICK]))
-    figures[LOAD_AFTER] = max(held_end, phase_load(body, gripped, r_goal, tables[SETTLE]))
+
+
+@njit(**FAST)
+def grip_figures(body, fingers, r_start, d, times, tables, figures):
+    """Figures of the grip: how far out on the face it slides, and its loads; returns that at rest, the larger one."""
+    r_goal, before, after = r_start + d, tables[STICK, 0], tables[SETTLE, tables.shape[1] - 1]
+    for phase in (TEAR, BRAKE):
+        for row in tables[phase]:
+            c, s = np.cos(row[2]), np.sin(row[2])
+            x, y = row[9] - row[0], row[10] - row[1]
+            share = face_share(body, fingers, c * x + s * y, -s * x + c * y, row[11] - row[2])
+            figures[FACE_SHARE] = max(figures[FACE_SHARE], share)
+    held_before = stick_share(body, fingers, r_start[0], r_start[1], r_start[2], before[2], 0.0, 0.0, 0.0)
+    held_after = stick_share(body, fingers, r_goal[0], r_goal[1], r_goal[2], after[2], 0.0, 0.0, 0.0)
+    figures[LOAD_BEFORE] = max(held_before, phase_load(body, fingers, r_start, tables[STICK]))
+    figures[LOAD_AFTER] = max(held_after, phase_load(body, fingers, r_goal, tables[SETTLE]))
     if times[CATCH] > 0.0:
-        figures[LOAD_AFTER] = max(figures[LOAD_AFTER], phase_load(body, gripped, r_goal, tables[CATCH]))
-    bound = (1.0 - wish[DEMANDED]) * limits[5]
-    figures[EXCESS] = (
+        figures[LOAD_AFTER] = max(figures[LOAD_AFTER], phase_load(body, fingers, r_goal, tables[CATCH]))
+    return max(held_before, held_after)
+
+
+@njit(**FAST)
+def excess(figures, limits, bound, rest):
+    """By how much all limits together are broken; ``rest`` is the hand's last row."""
+    return (
         over(figures[HAND_ACCELERATION], limits[0])
         + over(figures[HAND_SPEED], limits[1])
         + over(figures[OFF_CENTRE], limits[4])
-        + over(np.hypot(tables[SETTLE, N - 1, 9] - limits[6], tables[SETTLE, N - 1, 10] - limits[7]), limits[8])
+        + over(np.hypot(rest[9] - limits[6], rest[10] - limits[7]), limits[8])
         + over(figures[FACE_SHARE], 1.0)
         + over(figures[ARM_SHARE], 1.0)
         + over(figures[LOAD_BEFORE], bound)
         + over(figures[LOAD_AFTER], bound)
     )
+
+
+@njit(**FAST)
+def assess(choice, body, fingers, task, limits, arm, wish, nodes, integral, powers, figures):
+    """Fill ``figures`` for a choice.
+
+    ``task`` (5, 3): start pose of the object, r_start, d, end pose of the object (NaN where free), and (free angle,
+    -, -). ``limits`` (9,): hand acceleration and speed, workspace (x, y, radius), load while sticking, region (x, y,
+    radius). ``wish`` (WISHES,): weights of what is to be small or large, the friction error demanded and the most
+    that counts, and whether friction errors are simulated or taken from the formula of a straight slide.
+    """
+    N, times = len(nodes), np.zeros(PHASES)
+    tables, q_start, q_slide, dq_slide = np.empty((PHASES, N, COLUMNS)), np.empty(3), np.empty(3), np.empty(3)
+    read_choice(choice, times)
+    gripped, grip = fingers.copy(), body.copy()
+    gripped[:, 0] *= np.exp(choice[LOG_FORCE])
+    grip[2] *= np.exp(choice[LOG_FORCE])
+    r_start, d = task[1], task[2]
+    lay_out(choice, body, gripped, task, times, tables, nodes, integral, q_start, q_slide, dq_slide)
+    figures[:] = 0.0
+    hand_figures(times, tables, limits, arm, figures)
+    held = grip_figures(body, gripped, r_start, d, times, tables, figures)
+    figures[EXCESS] = excess(figures, limits, (1.0 - wish[DEMANDED]) * limits[5], tables[SETTLE, N - 1])
     if figures[EXCESS] > 0.0:
         figures[COST] = BREAKS_LIMITS + figures[EXCESS]
         return
-    grip = body.copy()
-    grip[2] *= np.exp(choice[LOG_FORCE])
-    held = max(held_start, held_end)
-    figures[ERROR] = min(wish[MOST], straight_error(grip, gripped, times, r_goal, d, held))
+    figures[ERROR] = min(wish[MOST], straight_error(grip, gripped, times, r_start + d, d, held))
     if wish[SIMULATED] > 0.0:
         breaks, coefficients, jumps = hand_pieces(times, tables, powers)
-        survived = error_survived(breaks, coefficients, jumps, grip, r_start, r_goal, wish[MOST], figures[ERROR])
+        survived = error_survived(breaks, coefficients, jumps, grip, r_start, r_start + d, wish[MOST], figures[ERROR])
         figures[ERROR] = min(survived, 1.0 - held)
     if figures[ERROR] < wish[DEMANDED]:
         figures[COST] = SURVIVES_TOO_LITTLE + wish[DEMANDED] - figures[ERROR]
@@ -281,9 +297,9 @@ def assess(choice, body, fingers, task, limits, arm, wish, nodes, integral, powe
 def straight_error(body, fingers, times, r_goal, d, held):
     """Friction error that a straight slide survives, by formula.
 
-    With tearing and braking accelerations r_2 and r_3 and the friction's kappa, friction that is less by a share e slides
-    (1 + e kappa / r_2) / (1 - e kappa / r_3) times as far; it may slide twice as far, or to the edge of the face. More
-    friction by r_2 / kappa does not slide at all.
+    With tearing and braking accelerations r_2 and r_3 and the friction's kappa, friction that is less by a share e
+    slides (1 + e kappa / r_2) / (1 - e kappa / r_3) times as far; it may slide twice as far, or to the edge of the
+    face. More friction by r_2 / kappa does not slide at all.
     """
     length = np.sqrt(d[0] * d[0] + d[1] * d[1] + (body[3] * d[2]) ** 2)
     whole = times[TEAR] + times[BRAKE]
@@ -298,7 +314,7 @@ def straight_error(body, fingers, times, r_goal, d, held):
             beyond = min(beyond, (body[6] - y * np.sign(d[1])) / abs(d[1]))
     kappa = body[2] / body[0]
     less = max(0.0, beyond) / (kappa * (1.0 / tear + (1.0 + beyond) / brake))
-    return min(min(less, tear / kappa), 1.0 - held)
+    return min(less, tear / kappa, 1.0 - held)
 
 
 @njit(parallel=True, **FAST)

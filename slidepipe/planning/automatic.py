@@ -1,4 +1,4 @@
-"""A motion that the planner finds by itself, for any planar goal, within every limit of the grip, the hand and the arm."""
+"""A motion that the planner finds by itself, for any planar goal, within the limits of grip, hand and arm."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -34,8 +34,8 @@ WIDEST_FORCE = (0.1, 10.0)
 def plan_automatically(task: Task, setup: Setup, wish: Wish) -> Plan:
     """Find the best motion for a wish.
 
-    The arm takes part in the search as its first order about the start; where the arm itself, asked along the motion that
-    was found, breaks a limit, that limit is tightened in the first order and the search goes on.
+    The arm takes part in the search as its first order about the start; where the arm itself, asked along the motion
+    that was found, breaks a limit, that limit is tightened in the first order and the search goes on.
 
     Parameters
     ----------
@@ -47,8 +47,8 @@ def plan_automatically(task: Task, setup: Setup, wish: Wish) -> Plan:
     Raises
     ------
     InfeasibleError
-        No motion is found: the limits that conflict in the one that comes nearest, each with its value, its bound and the
-        time, and the nearest goal or grip force for which there is one.
+        No motion is found: the limits that conflict in the one that comes nearest, each with its value, its bound and
+        the time, and the nearest goal or grip force for which there is one.
     """
     arm, refusal = _local_model(task, setup), None
     for _ in range(ATTEMPTS):
@@ -120,7 +120,9 @@ def _conflicts(search: Search, found: Found) -> list[str]:
     share = (1.0 - search.wish.friction_error) * setup.limits.stick_load
     strict = replace(setup, limits=replace(setup.limits, stick_load=share))
     course = search.course(found)
-    broken = [str(check) for check in (*grip_checks(course, strict), *_arm_checks(course, strict)) if not check.satisfied]
+    broken = [
+        str(check) for check in (*grip_checks(course, strict), *_arm_checks(course, strict)) if not check.satisfied
+    ]
     outcome = survival(course, setup.block, setup.fingers)
     if outcome.friction_error < search.wish.friction_error:
         broken.append(_too_little(outcome, search.wish.friction_error))
@@ -159,4 +161,3 @@ def _nearest(search: Search) -> Iterator[str]:
     if found.feasible:
         force = found.force * search.setup.finger.f_N
         yield f"nearest normal force: {force:.3g} N of all fingers together, instead of {search.setup.finger.f_N:.3g} N"
-

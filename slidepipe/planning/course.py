@@ -25,10 +25,10 @@ PHASE_NAMES = ("stick", "tear", "brake", "catch", "settle")
 class Course:
     """Everything that fixes the motion of a regrasp.
 
-    The object sticks and is brought to speed for T1; the finger tears loose and accelerates along the straight line from
-    ``r_start`` to ``r_goal`` in {b} for T2 and brakes for T3, so ``r'' = 2 (r_goal - r_start) / (T2 (T2 + T3))`` and then
-    the opposite times T2 / T3; for Tc the hand goes on as it braked, to catch an object that stops late; for T4 the object
-    sticks and comes to rest. While it sticks, the object moves on cubics in time.
+    The object sticks and is brought to speed for T1; the finger tears loose and accelerates along the straight line
+    from ``r_start`` to ``r_goal`` in {b} for T2 and brakes for T3, so ``r'' = 2 (r_goal - r_start) / (T2 (T2 + T3))``
+    and then the opposite times T2 / T3; for Tc the hand goes on as it braked, to catch an object that stops late; for
+    T4 the object sticks and comes to rest. While it sticks, the object moves on cubics in time.
 
     Attributes
     ----------

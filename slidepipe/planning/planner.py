@@ -20,6 +20,9 @@ from slidepipe.planning.three_phase import Regrasp, course_of
 from slidepipe.series import FloatArray
 from slidepipe.tick import TICK_S
 
+ON_TICK = 1e-6
+"""Share of a tick by which a time may miss it."""
+
 
 @dataclass(frozen=True, slots=True)
 class Setup:
@@ -143,8 +146,8 @@ def _hand_path(motion: CourseMotion, setup: Setup, time_s: FloatArray) -> HandPa
 
 
 def _ticks(course: Course) -> FloatArray:
-    """Sample times, at every boundary among others."""
-    return np.asarray(np.arange(round(course.edges[-1] / TICK_S) + 1) * TICK_S)
+    """Sample times, up to the first at which the hand is at rest again."""
+    return np.asarray(np.arange(np.ceil(course.edges[-1] / TICK_S - ON_TICK) + 1) * TICK_S)
 
 
 def _check_ticks(regrasp: Regrasp) -> None:

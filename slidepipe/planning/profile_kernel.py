@@ -1,10 +1,10 @@
 """A regrasp's motion from what was chosen for it, compiled: five phases, each a row of Chebyshev nodes.
 
-The finger slides along the straight line ``r_f_b = r_start + s d`` with ``d = r_goal - r_start`` and ``s`` from 0 to 1, so
-that the friction wrench in {b} depends on ``s`` alone (eq. 14): the object's spin is an integral over ``s``, its path an
-integral over its angle. Both are taken on the nodes, exact to rounding. Phases: stick (T1), tear (T2, ``s`` accelerates),
-brake (T3), catch (Tc: the hand goes on as it braked, so that an object which stops late stops on the same line), settle
-(T4). A phase of no length is left out.
+The finger slides along the straight line ``r_f_b = r_start + s d`` with ``d = r_goal - r_start`` and ``s`` from 0 to
+1, so that the friction wrench in {b} depends on ``s`` alone (eq. 14): the object's spin is an integral over ``s``,
+its path an integral over its angle. Both are taken on the nodes, exact to rounding. Phases: stick (T1), tear (T2,
+``s`` accelerates), brake (T3), catch (Tc: the hand goes on as it braked, so that an object which stops late stops on
+the same line), settle (T4). A phase of no length is left out.
 """
 
 import numpy as np
@@ -181,7 +181,7 @@ def change(body, fingers, r_start, d, times, theta, omega, tables, nodes, integr
 
 @njit(**FAST)
 def even_velocity(body, fingers, r_start, d, times, theta, tables, nodes, integral, dq):
-    """Velocity at the start of sliding that makes the object's acceleration while sticking the same before and after."""
+    """Velocity at the start of sliding for which the object accelerates the same while sticking before and after."""
     share = times[STICK] / (times[STICK] + times[SETTLE])
     moved, gained = np.empty(3), np.empty(3)
     # The spin gained does not depend on the spin at the start.

@@ -1,13 +1,14 @@
 """The search for a course: a population of choices, each assessed in some microseconds by the compiled motion.
 
-First with the friction error of a straight slide's formula, which is rough and cheap; then, from the best of these, with
-the error that simulated trials survive. Differential evolution by scipy, whole generations at a time on all cores.
+First with the friction error of a straight slide's formula, which is rough and cheap; then, from the best of these,
+with the error that simulated trials survive. Differential evolution by scipy, whole generations at a time on all
+cores.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import OptimizeResult, differential_evolution
+from scipy.optimize import differential_evolution
 
 from slidepipe.arm.local_model import LocalModel
 from slidepipe.mechanics.planar import object_pose
@@ -23,9 +24,13 @@ STICK_S, SLIDE_S = (0.1, 1.2), (0.02, 0.6)
 """Shortest and longest sticking phase, and tear."""
 BRAKE_SHARE, CATCH_SHARE = (0.1, 2.5), (0.0, 1.0)
 """Of the tear's duration."""
+FORCE_DIGITS = 4
+"""Of the normal force beside the believed one: nobody sets a gripper finer."""
+TO_MOVE = 1e-12
+"""What is not free still needs a range for scipy."""
 SEED = 1
-ROUGH = {"popsize": 64, "maxiter": 40}
-FINAL = {"popsize": 32, "maxiter": 25}
+ROUGH_SIZE, ROUGH_ROUNDS = 64, 40
+FINAL_SIZE, FINAL_ROUNDS = 48, 40
 MUTATION, RECOMBINATION = (0.4, 0.9), 0.85
 KEPT, LOOSE = 8, 0.08
 """How many of the best stay as they are between the two searches, and by what share of their range the others move."""
@@ -68,15 +73,21 @@ class Found:
     @property
     def force(self) -> float:
         """Normal force beside the believed one."""
-        return float(np.exp(self.choice[kernel.LOG_FORCE]))
+        return float(np.round(np.exp(self.choice[kernel.LOG_FORCE]), FORCE_DIGITS))
+
+
+@dataclass(frozen=True, slots=True)
+class _Evolved:
+    """A population (S, CHOICES), the best first, and the best one's cost."""
+
+    population: FloatArray
+    cost: float
 
 
 class Search:
     """A task with all that its choices are assessed by."""
 
-    def __init__(
-        self, task: Task, setup: Setup, wish: Wish, arm: LocalModel, *, nearest_force: bool = False
-    ) -> None:
+    def __init__(self, task: Task, setup: Setup, wish: Wish, arm: LocalModel, *, nearest_force: bool = False) -> None:
         self.task, self.setup, self.wish, self.arm = task, setup, wish, arm
         block, finger, limits = setup.block, setup.finger, setup.limits
         self._fingers = finger_rows(setup.fingers)
@@ -95,13 +106,11 @@ class Search:
 
     def best(self) -> Found:
         """Search twice, roughly and then in earnest."""
-        rough = self._evolve(simulated=0.0, init="sobol", **ROUGH)
-        order = np.argsort(rough.population_energies)
-        if not lone(self.setup.fingers) or rough.fun >= kernel.SURVIVES_TOO_LITTLE:
-            return self.found(rough.x, simulated=0.0)
-        start = rough.population[order[: FINAL["popsize"]]]
-        final = self._evolve(simulated=1.0, init=self._loosened(start), **FINAL)
-        return self.found(final.x, simulated=1.0)
+        rough = self._evolve(self._sobol(), ROUGH_ROUNDS, simulated=0.0)
+        if not lone(self.setup.fingers) or rough.cost >= kernel.SURVIVES_TOO_LITTLE:
+            return self.found(rough.population[0], simulated=0.0)
+        start = self._loosened(rough.population[:FINAL_SIZE])
+        return self.found(self._evolve(start, FINAL_ROUNDS, simulated=1.0).population[0], simulated=1.0)
 
     def found(self, choice: FloatArray, *, simulated: float) -> Found:
         """A choice with its figures."""
@@ -129,22 +138,30 @@ class Search:
         random[:KEPT] = 0.0
         return np.clip(population + random, low, high)
 
-    def _evolve(self, *, simulated: float, init: object, popsize: int, maxiter: int) -> OptimizeResult:
-        bounds = self._bounds()
-        return differential_evolution(
+    def _sobol(self) -> FloatArray:
+        """A population that fills the bounds evenly."""
+        from scipy.stats import qmc  # noqa: PLC0415  # slow to import, and only here
+
+        low, high = self._bounds()
+        return np.asarray(qmc.scale(qmc.Sobol(len(low), rng=SEED).random(ROUGH_SIZE), low, high))
+
+    def _evolve(self, start: FloatArray, rounds: int, *, simulated: float) -> _Evolved:
+        low, high = self._bounds()
+        result = differential_evolution(
             lambda x: self._assess(x.T, simulated)[:, kernel.COST],
-            list(zip(*bounds, strict=True)),
+            list(zip(low, high, strict=True)),
             vectorized=True,
             updating="deferred",
             polish=False,
-            init=_spread(init, bounds, popsize),
-            popsize=popsize,
-            maxiter=maxiter,
+            init=start,
+            maxiter=rounds,
             mutation=MUTATION,
             recombination=RECOMBINATION,
             tol=1e-6,
             rng=SEED,
         )
+        order = np.argsort(result.population_energies)
+        return _Evolved(result.population[order], float(result.fun))
 
     def _assess(self, choices: FloatArray, simulated: float) -> FloatArray:
         choices, grid = np.ascontiguousarray(choices), nodes(COARSE)
@@ -159,9 +176,9 @@ class Search:
     def _bounds(self) -> tuple[FloatArray, FloatArray]:
         angle, turn = float(self.task.q_o_start[2]), self.wish.turn_rad
         low, high = self.wish.force_range
-        stick, slide, brake = np.log(STICK_S), np.log(SLIDE_S), np.log(BRAKE_SHARE)
-        pairs = [(angle - turn, angle + turn), stick, slide, brake, CATCH_SHARE, stick, np.log([low, high])]
-        return np.array([pair[0] for pair in pairs]), np.array([pair[1] for pair in pairs]) + 1e-12
+        stick, slide, brake, force = np.log(STICK_S), np.log(SLIDE_S), np.log(BRAKE_SHARE), np.log([low, high])
+        pairs = np.array([(angle - turn, angle + turn), stick, slide, brake, CATCH_SHARE, stick, force])
+        return pairs[:, 0], pairs[:, 1] + TO_MOVE
 
 
 def scaled(task: Task, share: float) -> Task:
@@ -186,13 +203,3 @@ def _wish_row(wish: Wish) -> FloatArray:
     row[kernel.MOST] = MOST_ERROR if weights.friction_error > 0.0 else wish.friction_error
     row[kernel.SIMULATED] = 0.0
     return row
-
-
-def _spread(init: object, bounds: tuple[FloatArray, FloatArray], popsize: int) -> object:
-    """A population to start from: as told, or Sobol's, which must be a power of two."""
-    if isinstance(init, str):
-        from scipy.stats import qmc  # noqa: PLC0415  # only here, and slow to import
-
-        sample = qmc.Sobol(len(bounds[0]), rng=SEED).random(popsize)
-        return qmc.scale(sample, *bounds)
-    return np.clip(init, *bounds)

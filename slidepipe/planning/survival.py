@@ -16,7 +16,7 @@ from slidepipe.mechanics.planar import rotation
 from slidepipe.mechanics.simulate import Ended, simulate_many
 from slidepipe.mechanics.stepping import PlacedFinger, step_through
 from slidepipe.planning.course import Course, CourseMotion, lone
-from slidepipe.series import FloatArray, IntArray
+from slidepipe.series import BoolArray, FloatArray, IntArray
 
 MOST_TURN_RAD = 0.3
 RATIOS = np.round(np.arange(0.4, 1.8001, 0.02), 6)
@@ -80,8 +80,8 @@ class Survival:
 @dataclass(frozen=True, slots=True)
 class _Trials:
     r_f_b: FloatArray
-    left: FloatArray
-    stuck: FloatArray
+    left: BoolArray
+    stuck: BoolArray
 
 
 Trial = Callable[[FloatArray], _Trials]

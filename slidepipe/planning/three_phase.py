@@ -1,9 +1,9 @@
 """The paper's own choice of a motion, Section VII: the times are given, and the hand is told where to come to rest.
 
-The slide is the bang-bang profile of Fig. 6, ``r'' = +-4 (r_goal - r_init) / T23^2`` in {b}, and the object's accelerations
-while it sticks are constant. While it slides in one direction the friction wrench in {b} is constant (eq. 14), so the
-object's acceleration does not depend on its velocity. The velocity at which sliding starts therefore enters the final
-pose linearly, and is chosen such that the hand comes to rest where it is told to.
+The slide is the bang-bang profile of Fig. 6, ``r'' = +-4 (r_goal - r_init) / T23^2`` in {b}, and the object's
+accelerations while it sticks are constant. While it slides in one direction the friction wrench in {b} is constant
+(eq. 14), so the object's acceleration does not depend on its velocity. The velocity at which sliding starts therefore
+enters the final pose linearly, and is chosen such that the hand comes to rest where it is told to.
 """
 
 from dataclasses import dataclass

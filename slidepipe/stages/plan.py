@@ -9,11 +9,10 @@ from slidepipe.artifacts.run import Run, outside_input
 from slidepipe.artifacts.schema import parse
 from slidepipe.artifacts.store import Store
 from slidepipe.artifacts.strict_yaml import load
-from slidepipe.planning.planner import plan
+from slidepipe.stages.motions import first_plan, resolved
 from slidepipe.stages.plan_files import EXPERIMENT, PLAN, Occasion, write_plan
-from slidepipe.stages.translate import first_regrasp, setup
 
-STAGE, STAGE_VERSION = "plan", 1
+STAGE, STAGE_VERSION = "plan", 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +58,8 @@ def run(request: PlanRequest) -> PlanResult:
     if known is not None:
         return PlanResult(known, parse(PlanDocument, load(known.file(PLAN))), reused=True)
     with draft:
-        chosen = plan(first_regrasp(experiment), setup(experiment, experiment.friction))
-        occasion = Occasion(1, "the experiment's own motion", None, experiment.friction, None)
-        document = write_plan(draft, chosen, experiment, occasion)
+        chosen = first_plan(experiment)
+        reason = "the planner's choice" if experiment.motion.chosen_by_planner else "the experiment's own motion"
+        occasion = Occasion(1, reason, None, experiment.friction, None)
+        document = write_plan(draft, chosen, resolved(experiment, chosen), occasion)
     return PlanResult(draft.run, document, reused=False)

@@ -21,10 +21,10 @@ def planned(request: pytest.FixtureRequest) -> tuple[Plan, Setup]:
 
 def test_a_reference_has_a_sample_for_every_tick(planned: tuple[Plan, Setup]) -> None:
     chosen, _ = planned
-    count = round(chosen.regrasp.boundaries[-1] / 0.002) + 1
+    count = round(chosen.course.boundaries[-1] / 0.002) + 1
     np.testing.assert_allclose(chosen.joints.time_s, np.arange(count) * 0.002, atol=1e-12)
     assert chosen.joints.position_rad.shape == chosen.load.feedforward_n_m.shape == (count, 7)
-    for boundary in chosen.regrasp.boundaries:
+    for boundary in chosen.course.boundaries:
         assert np.any(chosen.motion.time_s == boundary)
 
 
@@ -48,7 +48,7 @@ def test_the_joints_put_the_hand_where_the_motion_has_it(planned: tuple[Plan, Se
 
 def test_a_plan_keeps_the_choice_that_it_made(planned: tuple[Plan, Setup]) -> None:
     chosen, _ = planned
-    slide, settle = (np.argmax(chosen.motion.time_s >= t) for t in chosen.regrasp.boundaries[[1, 3]])
+    slide, settle = (np.argmax(chosen.motion.time_s >= t) for t in chosen.course.boundaries[[1, 3]])
     np.testing.assert_allclose(chosen.dq_o_slide, chosen.motion.dq_o[slide], atol=1e-12)
     np.testing.assert_allclose(chosen.ddq_o_stick, chosen.motion.ddq_o[0])
     np.testing.assert_allclose(chosen.ddq_o_settle, chosen.motion.ddq_o[settle])
@@ -57,7 +57,7 @@ def test_a_plan_keeps_the_choice_that_it_made(planned: tuple[Plan, Setup]) -> No
 def test_the_stick_load_is_the_larger_of_the_two_margins(planned: tuple[Plan, Setup]) -> None:
     chosen, setup = planned
     used = [check.value for check in chosen.margins if check.name.startswith("share of the friction")]
-    assert stick_load(chosen.regrasp, setup) == pytest.approx(max(used), rel=1e-12)
+    assert stick_load(chosen.course, setup) == pytest.approx(max(used), rel=1e-12)
 
 
 @pytest.mark.parametrize("times", [{"T1": 0.301}, {"T23": 0.202}, {"T4": 1.0999}, {"T1": 0.301, "T4": 1.099}])
