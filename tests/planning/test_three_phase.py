@@ -11,7 +11,8 @@ from planning_setups import CASES, dense, slide_freely
 
 from slidepipe.errors import InputError
 from slidepipe.mechanics.limit_surface import SoftFinger
-from slidepipe.planning.three_phase import Motion, Regrasp, ThreePhaseMotion
+from slidepipe.planning.course import Motion
+from slidepipe.planning.three_phase import Regrasp, ThreePhaseMotion
 
 both = pytest.mark.parametrize("case", CASES)
 
