@@ -13,20 +13,31 @@ from slidepipe.cli.session import Report, Session, note_reuse, plain
 
 @options.verb(
     "plan",
-    "Plan the three-phase motion of an experiment and check it against every limit.",
+    "Plan the motion of an experiment and check it against every limit.\n\n"
+    "Of a one-DOF experiment: the times of eq. (4), and Theorem 1's conditions.",
     example="slidepipe plan experiments/regrasp.yaml --set friction=0.4",
-    exits={ExitCode.OK: "planned", ExitCode.NO: "no motion within the limits: they are named"},
+    exits={
+        ExitCode.OK: "planned",
+        ExitCode.NO: "no motion within the limits: they are named; or Theorem 1 promises nothing (one DOF)",
+    },
 )
 @click.argument("experiment", metavar="EXPERIMENT.yaml", type=click.Path(path_type=Path))
 @options.overrides("--set object.mass_kg=0.03")
 @options.force
 @options.all_limits
 @options.as_json
-@click.pass_obj
+@click.pass_context
 def command(
-    session: Session, *, experiment: Path, overrides: tuple[str, ...], force: bool, all_limits: bool, as_json: bool
+    ctx: click.Context, *, experiment: Path, overrides: tuple[str, ...], force: bool, all_limits: bool, as_json: bool
 ) -> None:
     """Plan, and show the plan."""
+    from slidepipe.stages.one_dof import is_one_dof
+
+    session: Session = ctx.obj
+    if is_one_dof(experiment):
+        from slidepipe.cli.one_dof import plan_one_dof
+
+        ctx.exit(plan_one_dof(session, experiment, overrides, force=force, as_json=as_json))
     from slidepipe.cli.views.plan import plan_view
     from slidepipe.stages.plan import PlanRequest, run
 

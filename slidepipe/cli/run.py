@@ -39,10 +39,16 @@ def command(
     as_json: bool,
 ) -> None:
     """Go round the loop, and show every trial."""
+    from slidepipe.stages.one_dof import is_one_dof
+
+    session: Session = ctx.obj
+    if is_one_dof(experiment):
+        from slidepipe.cli.one_dof import run_one_dof
+
+        ctx.exit(run_one_dof(session, experiment, overrides, as_json=as_json))
     from slidepipe.cli.views.campaign import campaign_view
     from slidepipe.stages.campaign import CampaignRequest, run
 
-    session: Session = ctx.obj
     request = CampaignRequest(
         experiment=experiment,
         store=session.store(),

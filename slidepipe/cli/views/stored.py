@@ -4,6 +4,7 @@ from rich.console import RenderableType
 
 from slidepipe.artifacts.campaign import CampaignDocument
 from slidepipe.artifacts.estimate import EstimateDocument
+from slidepipe.artifacts.one_dof import OneDofPlan, OneDofTrials
 from slidepipe.artifacts.plan import PlanDocument
 from slidepipe.artifacts.run import Run
 from slidepipe.artifacts.schema import Artifact, parse
@@ -11,6 +12,7 @@ from slidepipe.artifacts.strict_yaml import load
 from slidepipe.artifacts.trial import TrialDocument, TruthDocument
 from slidepipe.cli.views.campaign import campaign_view
 from slidepipe.cli.views.estimate import estimate_view
+from slidepipe.cli.views.one_dof import one_dof_plan_view, one_dof_trials_view
 from slidepipe.cli.views.plan import plan_view
 from slidepipe.cli.views.trial import trial_view
 from slidepipe.errors import InputError, NotFoundError, StoreError
@@ -21,6 +23,8 @@ MODELS: dict[str, type[Artifact]] = {
     "truth.yaml": TruthDocument,
     "estimate.yaml": EstimateDocument,
     "campaign.yaml": CampaignDocument,
+    "one_dof_plan.yaml": OneDofPlan,
+    "one_dof_trials.yaml": OneDofTrials,
 }
 """What the stages write, by the name of the file."""
 
@@ -55,4 +59,8 @@ def stage_view(documents: dict[str, Artifact], run: Run, *, all_limits: bool) ->
             parts += ["", *estimate_view(document, run)]
         elif isinstance(document, CampaignDocument):
             parts += ["", *campaign_view(document, run)]
+        elif isinstance(document, OneDofPlan):
+            parts += ["", *one_dof_plan_view(document, run)]
+        elif isinstance(document, OneDofTrials):
+            parts += ["", *one_dof_trials_view(document, run)]
     return parts
