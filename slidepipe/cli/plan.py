@@ -18,7 +18,7 @@ from slidepipe.cli.session import Report, Session, note_reuse, plain
     example="slidepipe plan experiments/regrasp.yaml --set friction=0.4",
     exits={
         ExitCode.OK: "planned",
-        ExitCode.NO: "no motion within the limits: they are named; or Theorem 1 promises nothing (one DOF)",
+        ExitCode.NO: "no motion within the limits, or no promise of Theorem 1",
     },
 )
 @click.argument("experiment", metavar="EXPERIMENT.yaml", type=click.Path(path_type=Path))

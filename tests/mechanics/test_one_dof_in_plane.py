@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from one_dof_draws import PROFILES
 
@@ -18,7 +18,9 @@ from slidepipe.mechanics.stepping import PlacedFinger
 @given(PROFILES, st.floats(0.05, 25.0))
 def test_planar_simulation_slides_as_far_as_the_closed_form(profile: Profile, wrong: float) -> None:
     """Also where friction is so low that the object slips all the time and its slide turns round."""
-    actual = wrong * profile.accelerations.a_o
+    s, actual = profile.accelerations, wrong * profile.accelerations.a_o
+    assume(abs(actual - s.a) > 1e-6 * s.a)
+    assume(abs(actual - s.a_f) > 1e-6 * s.a_f)
     slid = simulated_slide(profile, mu=actual / 10.0, f_N=10.0, m=1.0)
     assert slid == pytest.approx(profile.slide(actual).d, rel=1e-8, abs=1e-9 * abs(profile.d_goal))
 
