@@ -3,12 +3,16 @@
 # ruff: noqa: PLC0415  # what computes is imported when it is called, so that help is there at once
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from slidepipe.cli import options, render
 from slidepipe.cli.exits import MEANINGS, ExitCode
 from slidepipe.cli.session import Report, Session, plain
+
+if TYPE_CHECKING:
+    from slidepipe.artifacts.iteration_setup import Way
 
 
 @options.verb(
@@ -26,7 +30,8 @@ from slidepipe.cli.session import Report, Session, plain
 @click.argument("experiment", metavar="EXPERIMENT.yaml", type=click.Path(path_type=Path))
 @click.option("--trials", type=click.IntRange(min=1), help="At most so many.  [default: as the experiment says]")
 @options.overrides("--set lab.seed=7")
-@options.friction
+@options.way
+@click.option("--resume", is_flag=True, help="Go on where the experiment's last campaign ended or was interrupted.")
 @options.as_json
 @click.pass_context
 def command(
@@ -35,7 +40,8 @@ def command(
     experiment: Path,
     trials: int | None,
     overrides: tuple[str, ...],
-    friction: str | None,
+    way: "Way | None",
+    resume: bool,
     as_json: bool,
 ) -> None:
     """Go round the loop, and show every trial."""
@@ -54,7 +60,8 @@ def command(
         store=session.store(),
         overrides=overrides,
         trials=trials,
-        friction=friction,
+        way=way,
+        resume=resume,
         command=session.command,
         report=render.note,
     )

@@ -73,11 +73,20 @@ def plan(regrasp: Regrasp, setup: Setup) -> Plan:
     )
 
 
+def sticking_share(regrasp: Regrasp, motion: Motion) -> float:
+    """Largest share of the friction that a regrasp's motion needs in its sticking phases; the arm is not asked."""
+    sliding = (motion.time_s >= regrasp.boundaries[1]) & (motion.time_s < regrasp.boundaries[3])
+    return float(np.max(motion.load[~sliding]))
+
+
 def stick_load(regrasp: Regrasp, setup: Setup) -> float:
-    """Largest share of the friction that a regrasp needs in its sticking phases; the arm is not asked."""
-    sampled = _plan_grasp(regrasp, setup)[1]
-    sliding = (sampled.time_s >= regrasp.boundaries[1]) & (sampled.time_s < regrasp.boundaries[3])
-    return float(np.max(sampled.load[~sliding]))
+    """Share of the friction that a regrasp needs while it sticks, by planning its motion anew."""
+    return sticking_share(regrasp, grasp_motion(regrasp, setup))
+
+
+def grasp_motion(regrasp: Regrasp, setup: Setup) -> Motion:
+    """Hand and object of a regrasp on the control loop's ticks, without asking the arm."""
+    return _plan_grasp(regrasp, setup)[1]
 
 
 def _plan_grasp(regrasp: Regrasp, setup: Setup) -> tuple[ThreePhaseMotion, Motion, list[Check]]:
