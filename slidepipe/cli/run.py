@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 @click.option("--trials", type=click.IntRange(min=1), help="At most so many.  [default: as the experiment says]")
 @options.overrides("--set lab.seed=7")
 @options.way
+@click.option("--repeat", type=click.IntRange(min=1), help="Execute the first plan so often, to see how it repeats.")
 @click.option("--resume", is_flag=True, help="Go on where the experiment's last campaign ended or was interrupted.")
 @options.as_json
 @click.pass_context
@@ -41,6 +42,7 @@ def command(
     trials: int | None,
     overrides: tuple[str, ...],
     way: "Way | None",
+    repeat: int | None,
     resume: bool,
     as_json: bool,
 ) -> None:
@@ -52,6 +54,9 @@ def command(
         from slidepipe.cli.one_dof import run_one_dof
 
         ctx.exit(run_one_dof(session, experiment, overrides, as_json=as_json))
+    if repeat is not None:
+        _repeat(session, experiment, overrides, count=repeat, resume=resume, as_json=as_json)
+        return
     from slidepipe.cli.views.campaign import campaign_view
     from slidepipe.stages.campaign import CampaignRequest, run
 
@@ -70,3 +75,24 @@ def command(
     report.put(campaign_view(result.document, result.run), as_json=as_json)
     if not result.document.converged:
         ctx.exit(ExitCode.NO)
+
+
+def _repeat(
+    session: Session, experiment: Path, overrides: tuple[str, ...], *, count: int, resume: bool, as_json: bool
+) -> None:
+    """Execute the first plan again and again, and show how it repeats."""
+    from slidepipe.cli.views.repeat import repeat_view
+    from slidepipe.stages.repeat import RepeatRequest, run
+
+    request = RepeatRequest(
+        experiment=experiment,
+        store=session.store(),
+        report=render.note,
+        count=count,
+        overrides=overrides,
+        resume=resume,
+        command=session.command,
+    )
+    result = run(request)
+    report = Report("slidepipe.repeat_result/1", result.run, {"document": plain(result.document)})
+    report.put(repeat_view(result.document, result.run), as_json=as_json)

@@ -1,9 +1,10 @@
 """Where an object ends under a planned hand, for many frictions and starts at once."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import make_interp_spline
 
 from slidepipe.mechanics.dynamics import Block
 from slidepipe.mechanics.limit_surface import SoftFinger
@@ -26,15 +27,40 @@ class Prediction:
     lost: BoolArray
 
 
-def predict(
-    time_s: FloatArray, q_f: FloatArray, block: Block, rho: float, *, kappa: FloatArray, r_start: FloatArray
-) -> Prediction:
+@dataclass(frozen=True, slots=True)
+class SampledHand:
+    """Hand of a plan as it is sampled.
+
+    Attributes
+    ----------
+    time_s, q_f : (T,), (T, 3)
+        Poses in {w}, one a tick, the angle without jumps.
+    boundaries_s : (K,)
+        Times, among the samples, at which its acceleration jumps; first and last included.
+    """
+
+    time_s: FloatArray
+    q_f: FloatArray
+    boundaries_s: FloatArray
+
+    def resampled(self, parts: int) -> FloatArray:
+        """Poses at ``parts`` times the samples: cubics that do not smooth over a jump of the acceleration."""
+        edges = np.searchsorted(self.time_s, self.boundaries_s - 1e-9)
+        pieces = [self.q_f[:1]]
+        for first, last in pairwise(edges):
+            piece = slice(first, last + 1)
+            fine = np.linspace(self.time_s[first], self.time_s[last], parts * (last - first) + 1)[1:]
+            spline = make_interp_spline(self.time_s[piece], self.q_f[piece], k=min(5, last - first))
+            pieces.append(np.asarray(spline(fine)))
+        return np.concatenate(pieces)
+
+
+def predict(hand: SampledHand, block: Block, rho: float, *, kappa: FloatArray, r_start: FloatArray) -> Prediction:
     """Simulate a trial for each row of ``kappa`` and ``r_start``, with the hand exactly where it was planned.
 
     Parameters
     ----------
-    time_s, q_f : (T,), (T, 3)
-        Poses of the hand in {w}, one a tick.
+    hand : SampledHand
     block : Block
     rho : float
         c a, m.
@@ -43,15 +69,15 @@ def predict(
     r_start : (N, 3)
         Relative pose of the finger in {b} at the start.
     """
-    rest = np.arange(1, round(REST_S / TICK_S) + 1) * TICK_S
-    times = np.concatenate([time_s, time_s[-1] + rest])
-    poses = np.concatenate([q_f, np.repeat(q_f[-1:], len(rest), axis=0)])
-    fine = np.linspace(times[0], times[-1], STEPS_PER_TICK * (len(times) - 1) + 1)
+    poses = hand.resampled(STEPS_PER_TICK)
+    rest = round(REST_S / TICK_S) * STEPS_PER_TICK
+    poses = np.concatenate([poses, np.repeat(poses[-1:], rest, axis=0)])
+    fine = hand.time_s[0] + TICK_S / STEPS_PER_TICK * np.arange(len(poses))
     half = 0.5 * np.array([block.length, block.width])
     start = np.array(r_start, dtype=float)
     start[:, :2] = np.clip(start[:, :2], -half, half)
     # One newton and as much friction as kappa asks for.
     finger = SoftFinger(1.0, block.m, rho, 1.0)
     sets = ParameterSets.of(block, finger, start, mu=np.asarray(kappa, dtype=float))
-    r = step_many(fine, np.ascontiguousarray(CubicSpline(times, poses)(fine)), sets)
+    r = step_many(fine, poses, sets)
     return Prediction(r, np.any(np.abs(r[:, :2]) > half, axis=1))

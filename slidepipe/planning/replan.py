@@ -14,7 +14,7 @@ import numpy as np
 from slidepipe.errors import InfeasibleError
 from slidepipe.mechanics.planar import object_pose
 from slidepipe.planning.planner import Plan, Setup, grasp_motion, plan, sticking_share
-from slidepipe.planning.predict import predict
+from slidepipe.planning.predict import SampledHand, predict
 from slidepipe.planning.three_phase import Motion, Regrasp
 from slidepipe.series import FloatArray
 from slidepipe.tick import TICK_S
@@ -103,7 +103,8 @@ def _worst_miss(task: Regrasp, motion: Motion, setup: Setup, friction: FrictionI
     rho = finger.a * finger.c
     starts = np.tile(task.r_start, (TRIED, 1))
     kappa = frictions * finger.f_N / block.m
-    told = predict(motion.time_s, motion.q_f, block, rho, kappa=kappa, r_start=starts)
+    hand = SampledHand(motion.time_s, motion.q_f, task.boundaries)
+    told = predict(hand, block, rho, kappa=kappa, r_start=starts)
     miss = (told.r_f_b - task.r_goal) * np.array([1.0, 1.0, rho])
     return float(np.max(np.where(told.lost, block.length + block.width, np.linalg.norm(miss, axis=1))))
 

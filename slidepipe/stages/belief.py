@@ -9,7 +9,7 @@ from slidepipe.artifacts.iteration_setup import Way
 from slidepipe.artifacts.recording_reader import read_recording
 from slidepipe.artifacts.values import Interval
 from slidepipe.estimation.pooled import pool
-from slidepipe.planning.predict import Prediction, predict
+from slidepipe.planning.predict import Prediction, SampledHand, predict
 from slidepipe.series import FloatArray
 from slidepipe.stages.past import PastTrial
 from slidepipe.stages.plan_files import REFERENCE, REFERENCE_HAND
@@ -62,7 +62,10 @@ def replay(one: PastTrial, experiment: Experiment, kappa: FloatArray, r_start: F
     hand = read_recording(one.plan_run.file(REFERENCE)).poses(REFERENCE_HAND)
     time_s = 1e-9 * (hand.stamp_ns - hand.stamp_ns[0])
     poses = hand_in_plane(hand, experiment)
-    return predict(time_s, poses, block(experiment), experiment.rho_m, kappa=kappa, r_start=r_start)
+    slide, end = one.plan.slide, one.plan.phases[-1].stop_s
+    boundaries_s = np.array([0.0, slide.start_s, slide.switch_s, slide.stop_s, end])
+    sampled = SampledHand(time_s, poses, boundaries_s)
+    return predict(sampled, block(experiment), experiment.rho_m, kappa=kappa, r_start=r_start)
 
 
 def most_friction(one: PastTrial, experiment: Experiment) -> float:

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from slidepipe.artifacts.campaign import CampaignDocument
 from slidepipe.artifacts.experiment import Experiment, load_experiment
 from slidepipe.artifacts.iteration_setup import Way
 from slidepipe.artifacts.run import Run
@@ -55,6 +56,13 @@ def run(request: CampaignRequest) -> CampaignResult:
             return done
     end = _loop(request, experiment, tip)
     return campaign_files.publish(request.store, request.experiment, experiment, end, request.command)
+
+
+def play(request: CampaignRequest) -> CampaignDocument:
+    """Run the whole loop as :func:`run` does, and publish neither the table nor the pictures."""
+    experiment = load_experiment(request.experiment, request.overrides)
+    first = plan.run(plan.PlanRequest(request.experiment, request.store, request.overrides, command=request.command))
+    return campaign_files.campaign_document(experiment, _loop(request, experiment, _begin(request, first.run)))
 
 
 def _begin(request: CampaignRequest, first: Run) -> Tip:

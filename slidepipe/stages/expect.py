@@ -9,7 +9,7 @@ from slidepipe.artifacts.experiment import Experiment
 from slidepipe.artifacts.values import Interval, UncertainPose
 from slidepipe.artifacts.why import ExpectedError
 from slidepipe.planning.planner import Plan
-from slidepipe.planning.predict import predict
+from slidepipe.planning.predict import SampledHand, predict
 from slidepipe.planning.replan import slide_distance
 from slidepipe.series import FloatArray
 from slidepipe.stages.belief import FrictionBelief, replay
@@ -30,7 +30,8 @@ def expect(plan: Plan, belief: FrictionBelief, past: tuple[PastTrial, ...], expe
     miss = model_miss(past, belief, experiment)
     kappa = _kappa(belief, experiment, random)
     start = plan.regrasp.r_start + random.standard_normal((DRAWS, 3)) * _start_std(past[-1].estimate)
-    told = predict(plan.motion.time_s, plan.motion.q_f, block(experiment), experiment.rho_m, kappa=kappa, r_start=start)
+    hand = SampledHand(plan.motion.time_s, plan.motion.q_f, plan.regrasp.boundaries)
+    told = predict(hand, block(experiment), experiment.rho_m, kappa=kappa, r_start=start)
     reach = slide_distance(plan.regrasp.r_start, plan.regrasp.r_goal, experiment.rho_m)
     wrong = random.standard_normal((DRAWS, 3)) * miss * reach / np.array([1.0, 1.0, experiment.rho_m])
     error = told.r_f_b - vector(experiment.goal.relative_pose) + wrong

@@ -9,15 +9,19 @@ from slidepipe.artifacts.campaign import CampaignDocument
 from slidepipe.artifacts.estimate import EstimateDocument
 from slidepipe.artifacts.one_dof import OneDofPlan, OneDofTrials
 from slidepipe.artifacts.plan import PlanDocument
+from slidepipe.artifacts.repeat import RepeatDocument
 from slidepipe.artifacts.run import Run
 from slidepipe.artifacts.schema import Artifact, parse
 from slidepipe.artifacts.strict_yaml import load
+from slidepipe.artifacts.sweep import SweepDocument, SweepTrialDocument
 from slidepipe.artifacts.trial import TrialDocument, TruthDocument
 from slidepipe.artifacts.why import WhyDocument
 from slidepipe.cli.views.campaign import campaign_view
 from slidepipe.cli.views.estimate import estimate_view
 from slidepipe.cli.views.one_dof import one_dof_plan_view, one_dof_trials_view
 from slidepipe.cli.views.plan import plan_view
+from slidepipe.cli.views.repeat import repeat_view
+from slidepipe.cli.views.sweep import sweep_trial_view, sweep_view
 from slidepipe.cli.views.trial import trial_view
 from slidepipe.cli.views.why import arm_view, why_view
 from slidepipe.errors import InputError, NotFoundError, StoreError
@@ -33,6 +37,9 @@ MODELS: dict[str, type[Artifact]] = {
     "campaign.yaml": CampaignDocument,
     "why.yaml": WhyDocument,
     "arm.yaml": ArmCorrectionDocument,
+    "repeat.yaml": RepeatDocument,
+    "sweep.yaml": SweepDocument,
+    "sweep_trial.yaml": SweepTrialDocument,
     "one_dof_plan.yaml": OneDofPlan,
     "one_dof_trials.yaml": OneDofTrials,
 }
@@ -64,6 +71,9 @@ def stage_view(documents: dict[str, Artifact], run: Run, *, all_limits: bool) ->
         TrialDocument: lambda one: trial_view(one, truth if isinstance(truth, TruthDocument) else None, run),
         EstimateDocument: lambda one: estimate_view(one, run),
         CampaignDocument: lambda one: campaign_view(one, run),
+        RepeatDocument: lambda one: repeat_view(one, run),
+        SweepDocument: lambda one: sweep_view(one, run),
+        SweepTrialDocument: sweep_trial_view,
         WhyDocument: why_view,
         ArmCorrectionDocument: arm_view,
         OneDofPlan: lambda one: one_dof_plan_view(one, run),
