@@ -9,9 +9,10 @@ from pydantic import Field
 
 from slidepipe.artifacts.arm_setup import ArmSetup
 from slidepipe.artifacts.faults import Fault, MissingKey
+from slidepipe.artifacts.iteration_setup import Iteration, upcast_iteration
 from slidepipe.artifacts.lab_setup import LabSetup
 from slidepipe.artifacts.overrides import apply_overrides
-from slidepipe.artifacts.schema import Artifact, Record, parse
+from slidepipe.artifacts.schema import UPCASTS, Artifact, Record, parse
 from slidepipe.artifacts.strict_yaml import load
 from slidepipe.artifacts.values import Friction, Interval, NotNegative, Pose, Positive, Slug
 from slidepipe.errors import InputError
@@ -145,13 +146,6 @@ class Workspace(Record):
     radius_m: Annotated[float, Field(gt=0.0, le=10.0)]
 
 
-class Iteration(Record):
-    """How often to try, and whether each trial's friction estimate goes into the next plan."""
-
-    max_trials: Annotated[int, Field(ge=1, le=100)]
-    friction: Literal["estimate", "keep"]
-
-
 def _wish_faults(motion: MotionSetup, given: list[str]) -> Iterator[Fault]:
     """What does not go together where the planner is to choose."""
     if motion.objective is not None and motion.weights is not None:
@@ -170,6 +164,7 @@ class Experiment(Artifact):
     """One experiment; ``friction`` is what the planner believes, ``lab.friction`` what the simulated world has."""
 
     SCHEMA: ClassVar[str] = "slidepipe.experiment"
+    VERSION: ClassVar[int] = 2
 
     name: Slug
     object: ObjectBlock
@@ -263,6 +258,9 @@ class Experiment(Artifact):
                 f"the {name} is outside the object, must be within {-half:g} and {half:g}"
                 f" (half of object.{side}), got {value!r}",
             )
+
+
+UPCASTS[Experiment.SCHEMA, 1] = upcast_iteration
 
 
 def load_experiment(path: Path, overrides: Iterable[str] = ()) -> Experiment:

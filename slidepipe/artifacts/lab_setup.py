@@ -42,6 +42,26 @@ class ContactSetup(Record):
     impratio: Annotated[float, Field(ge=1.0)] = 1000.0
 
 
+class GraspError(Record):
+    """By how much the finger is first put down beside ``start.relative_pose``, which the planner believes."""
+
+    x_m: Annotated[float, Field(ge=-0.1, le=0.1)] = 0.0
+    y_m: Annotated[float, Field(ge=-0.1, le=0.1)] = 0.0
+    theta_rad: Annotated[float, Field(ge=-1.0, le=1.0)] = 0.0
+
+
+class Scatter(Record):
+    """What differs from trial to trial in the same world, one standard deviation each.
+
+    The shares are of ``friction`` and of the normal force; ``grasp_`` is how a finger is put down anew.
+    """
+
+    friction_share: Annotated[float, Field(ge=0.0, le=0.3)] = 0.0
+    normal_force_share: Annotated[float, Field(ge=0.0, le=0.3)] = 0.0
+    grasp_position_m: Annotated[float, Field(ge=0.0, le=0.01)] = 0.0
+    grasp_angle_rad: Annotated[float, Field(ge=0.0, le=0.3)] = 0.0
+
+
 class LabSetup(Record):
     """The simulated world."""
 
@@ -51,3 +71,5 @@ class LabSetup(Record):
     tracker: TrackerSetup = TrackerSetup()
     cameras: CameraSetup = CameraSetup()
     contact: ContactSetup = ContactSetup()
+    grasp_error: GraspError = GraspError()
+    scatter: Scatter = Scatter()

@@ -83,6 +83,20 @@ def dump_model(artifact: Artifact) -> str:
     return dump({"schema": f"{artifact.SCHEMA}/{artifact.VERSION}", **artifact.model_dump()})
 
 
+def schema_name(document: YamlDocument) -> str | None:
+    """Name of the schema that a document says it has, without its version; None where it says none.
+
+    Examples
+    --------
+    >>> from slidepipe.artifacts.strict_yaml import loads
+    >>> schema_name(loads("schema: slidepipe.plan/1", "a.yaml"))
+    'slidepipe.plan'
+    """
+    header = document.data.get("schema")
+    match = _HEADER.fullmatch(header) if isinstance(header, str) else None
+    return match[1] if match else None
+
+
 def _version(model: type[Artifact], document: YamlDocument) -> int:
     wanted = f"{model.SCHEMA}/{model.VERSION}"
     if "schema" not in document.data:

@@ -34,10 +34,11 @@ as_json: Callable[[Callback], Callback] = click.option(
 force: Callable[[Callback], Callback] = click.option(
     "--force", is_flag=True, help="Compute it even where an equal run is there already."
 )
-friction: Callable[[Callback], Callback] = click.option(
-    "--friction",
-    type=click.Choice(["keep", "estimate"]),
-    help="Keep the believed friction, or take the estimated one.  [default: as the experiment says]",
+way: Callable[[Callback], Callback] = click.option(
+    "--way",
+    type=click.Choice(["goal", "posterior", "learned"]),
+    help="What to learn from a trial: the goal alone, the friction too, or the arm as well.  "
+    "[default: as the experiment says]",
 )
 all_limits: Callable[[Callback], Callback] = click.option(
     "--all", "all_limits", is_flag=True, help="Show every limit, not only the nearest."

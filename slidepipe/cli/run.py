@@ -3,12 +3,16 @@
 # ruff: noqa: PLC0415  # what computes is imported when it is called, so that help is there at once
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from slidepipe.cli import options, render
 from slidepipe.cli.exits import MEANINGS, ExitCode
 from slidepipe.cli.session import Report, Session, plain
+
+if TYPE_CHECKING:
+    from slidepipe.artifacts.iteration_setup import Way
 
 
 @options.verb(
@@ -26,7 +30,9 @@ from slidepipe.cli.session import Report, Session, plain
 @click.argument("experiment", metavar="EXPERIMENT.yaml", type=click.Path(path_type=Path))
 @click.option("--trials", type=click.IntRange(min=1), help="At most so many.  [default: as the experiment says]")
 @options.overrides("--set lab.seed=7")
-@options.friction
+@options.way
+@click.option("--repeat", type=click.IntRange(min=1), help="Execute the first plan so often, to see how it repeats.")
+@click.option("--resume", is_flag=True, help="Go on where the experiment's last campaign ended or was interrupted.")
 @options.as_json
 @click.pass_context
 def command(
@@ -35,20 +41,32 @@ def command(
     experiment: Path,
     trials: int | None,
     overrides: tuple[str, ...],
-    friction: str | None,
+    way: "Way | None",
+    repeat: int | None,
+    resume: bool,
     as_json: bool,
 ) -> None:
     """Go round the loop, and show every trial."""
+    from slidepipe.stages.one_dof import is_one_dof
+
+    session: Session = ctx.obj
+    if is_one_dof(experiment):
+        from slidepipe.cli.one_dof import run_one_dof
+
+        ctx.exit(run_one_dof(session, experiment, overrides, as_json=as_json))
+    if repeat is not None:
+        _repeat(session, experiment, overrides, count=repeat, resume=resume, as_json=as_json)
+        return
     from slidepipe.cli.views.campaign import campaign_view
     from slidepipe.stages.campaign import CampaignRequest, run
 
-    session: Session = ctx.obj
     request = CampaignRequest(
         experiment=experiment,
         store=session.store(),
         overrides=overrides,
         trials=trials,
-        friction=friction,
+        way=way,
+        resume=resume,
         command=session.command,
         report=render.note,
     )
@@ -57,3 +75,24 @@ def command(
     report.put(campaign_view(result.document, result.run), as_json=as_json)
     if not result.document.converged:
         ctx.exit(ExitCode.NO)
+
+
+def _repeat(
+    session: Session, experiment: Path, overrides: tuple[str, ...], *, count: int, resume: bool, as_json: bool
+) -> None:
+    """Execute the first plan again and again, and show how it repeats."""
+    from slidepipe.cli.views.repeat import repeat_view
+    from slidepipe.stages.repeat import RepeatRequest, run
+
+    request = RepeatRequest(
+        experiment=experiment,
+        store=session.store(),
+        report=render.note,
+        count=count,
+        overrides=overrides,
+        resume=resume,
+        command=session.command,
+    )
+    result = run(request)
+    report = Report("slidepipe.repeat_result/1", result.run, {"document": plain(result.document)})
+    report.put(repeat_view(result.document, result.run), as_json=as_json)

@@ -251,7 +251,8 @@ def slide(breaks, coefficients, jumps, body, tolerance, end, r, t, y, table, wor
             count += 1
         if abs(y[0]) > body[5] or abs(y[1]) > body[6]:
             return t, LEFT, count
-        left = -speed / rate if rate < 0.0 and speed < peak else np.inf
+        # Where the acceleration has jumped, even a slide at its fastest may be about to turn.
+        left = -speed / rate if rate < 0.0 and (speed < peak or at_limit) else np.inf
         if 0.5 * left * speed < REST * tolerance:
             for i in range(3):
                 r[i] += 0.5 * left * d[i]

@@ -76,7 +76,13 @@ class Outcomes:
 
 
 def simulate(
-    hand: HandMotion, block: Block, finger: SoftFinger, r_f_b: FloatArray, *, tolerance: float = TOLERANCE
+    hand: HandMotion,
+    block: Block,
+    finger: SoftFinger,
+    r_f_b: FloatArray,
+    *,
+    tolerance: float = TOLERANCE,
+    until_s: float | None = None,
 ) -> Outcome:
     """Simulate one trial that begins at rest with the finger at ``r_f_b`` in {b}.
 
@@ -88,6 +94,8 @@ def simulate(
         m and rad.
     tolerance : float
         Error of a step in the place of the contact, m.
+    until_s : float, optional
+        Time at which the trial ends, by default :data:`REST_S` after the hand has come to rest.
 
     Raises
     ------
@@ -97,9 +105,8 @@ def simulate(
     r, out, path = _start(block, r_f_b), np.empty(5), np.empty((event_kernel.MOST_STEPS, 7))
     half_sides = (block.length / 2, block.width / 2)
     body = np.array([block.m, block.inertia, finger.mu * finger.f_N, finger.c * finger.a, 1.0, *half_sides])
-    event_kernel.run_trial(
-        hand.breaks, hand.coefficients, hand.jumps, body, _checked(tolerance), _end(hand), r, path, out
-    )
+    end = _end(hand) if until_s is None else until_s
+    event_kernel.run_trial(hand.breaks, hand.coefficients, hand.jumps, body, _checked(tolerance), end, r, path, out)
     return Outcome(
         r_f_b=r,
         ended=Ended(int(out[0])),

@@ -176,7 +176,7 @@ class CourseMotion:
         course = self.course
         t = np.clip(time_s - course.T1, 0.0, course.T23)[:, None]
         back = course.T23 - t
-        tears = t < course.T2
+        tears = (time_s < course.edges[2])[:, None]
         ddr, ddr_brake = course.ddr, course.ddr_brake
         r_b = np.where(tears, course.r_start + 0.5 * ddr * t**2, course.r_goal + 0.5 * ddr_brake * back**2)
         dr_b = np.where(tears, ddr * t, -ddr_brake * back)

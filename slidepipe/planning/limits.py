@@ -13,6 +13,7 @@ from slidepipe.mechanics.stepping import PlacedFinger
 from slidepipe.planning.course import Course, CourseMotion, Motion
 from slidepipe.series import FloatArray
 
+ALIKE = 1e-12
 JUMP_S = 1e-8
 """Just before a boundary: beyond what counts as rounding."""
 JUMP, AT_REST = 1e-5, 1e-9
@@ -156,5 +157,6 @@ def check_arm(path: JointPath, load: ArmLoad, limits: Limits) -> list[Check]:
 
 
 def _worst(name: str, time_s: FloatArray, values: FloatArray, bound: float, unit: str) -> Check:
-    index = int(np.argmax(values))
+    # The first of those that are alike but for rounding.
+    index = int(np.argmax(values >= np.max(values) * (1.0 - ALIKE)))
     return Check(name, float(values[index]), bound, unit, float(time_s[index]))

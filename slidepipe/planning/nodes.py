@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+from numpy.polynomial import chebyshev
 
 from slidepipe.series import FloatArray
 
@@ -41,5 +42,8 @@ def nodes(count: int) -> Nodes:
     """
     points = 0.5 * (1.0 - np.cos(np.pi * np.arange(count) / (count - 1)))
     powers = np.linalg.inv(np.vander(points, increasing=True))
-    integral = points[:, None] ** np.arange(1, count + 1) / np.arange(1, count + 1) @ powers
+    # By way of Chebyshev polynomials, for powers lose five digits at sixteen points.
+    coefficients = np.linalg.inv(chebyshev.chebvander(2.0 * points - 1.0, count - 1))
+    antiderivatives = 0.5 * chebyshev.chebint(coefficients, lbnd=-1.0)
+    integral = chebyshev.chebvander(2.0 * points - 1.0, count) @ antiderivatives
     return Nodes(points, np.ascontiguousarray(integral), np.ascontiguousarray(powers))

@@ -132,12 +132,21 @@ def _check_grip(sampled: Motion, course: Course, setup: Setup) -> list[Check]:
     return check_grasp(sampled, course, setup.fingers, setup.half_size_m, setup.limits)
 
 
+def sticking_share(regrasp: Regrasp, motion: Motion) -> float:
+    """Largest share of the friction that a regrasp's motion needs in its sticking phases; the arm is not asked."""
+    sliding = (motion.time_s >= regrasp.boundaries[1]) & (motion.time_s < regrasp.boundaries[3])
+    return float(np.max(motion.load[~sliding]))
+
+
 def stick_load(regrasp: Regrasp, setup: Setup) -> float:
-    """Largest share of the friction that a regrasp needs in its sticking phases; the arm is not asked."""
+    """Share of the friction that a regrasp needs while it sticks, by planning its motion anew."""
+    return sticking_share(regrasp, grasp_motion(regrasp, setup))
+
+
+def grasp_motion(regrasp: Regrasp, setup: Setup) -> Motion:
+    """Hand and object of a regrasp on the control loop's ticks, without asking the arm."""
     course = course_of(regrasp, setup.block, setup.fingers)
-    sampled = CourseMotion(course, setup.block, setup.fingers).sample(_ticks(course))
-    sliding = (sampled.time_s >= course.slide_s) & (sampled.time_s < course.stop_s)
-    return float(np.max(sampled.load[~sliding]))
+    return CourseMotion(course, setup.block, setup.fingers).sample(_ticks(course))
 
 
 def _hand_path(motion: CourseMotion, setup: Setup, time_s: FloatArray) -> HandPath:

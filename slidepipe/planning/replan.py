@@ -7,11 +7,15 @@ lengthened until the grip holds with a margin; where the arm cannot follow so sh
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from slidepipe.errors import InfeasibleError
-from slidepipe.planning.planner import Plan, Setup, plan, stick_load
+from slidepipe.mechanics.planar import object_pose
+from slidepipe.planning.course import Motion
+from slidepipe.planning.planner import Plan, Setup, grasp_motion, plan, sticking_share
+from slidepipe.planning.predict import SampledHand, predict
 from slidepipe.planning.three_phase import Regrasp
 from slidepipe.series import FloatArray
 from slidepipe.tick import TICK_S
@@ -22,6 +26,18 @@ SLIDE_STRETCHES = (1.0, 1.25, 1.6, 2.0)
 STICK_TO_SLIDE = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0)
 SAFE_LOAD = 0.85
 """Share of the friction that a correction may use while it sticks; if all need more, the one that needs least."""
+
+
+TRIED = 9
+"""Frictions of an interval under which a candidate is simulated."""
+
+
+@dataclass(frozen=True, slots=True)
+class FrictionInterval:
+    """Where the next trial's coefficient of friction lies."""
+
+    low: float
+    high: float
 
 
 def slide_distance(r_from: FloatArray, r_to: FloatArray, rho: float) -> float:
@@ -36,7 +52,7 @@ def slide_distance(r_from: FloatArray, r_to: FloatArray, rho: float) -> float:
     return float(np.linalg.norm(step))
 
 
-def replan(first: Regrasp, r_now: FloatArray, setup: Setup) -> Plan:
+def replan(first: Regrasp, r_now: FloatArray, setup: Setup, friction: FrictionInterval | None = None) -> Plan:
     """Plan from where the last trial ended to the goal of the first.
 
     Parameters
@@ -47,20 +63,51 @@ def replan(first: Regrasp, r_now: FloatArray, setup: Setup) -> Plan:
         Relative pose of the finger in {b} after the last trial.
     setup : Setup
         With the friction that is now believed.
+    friction : FrictionInterval, optional
+        Where the next trial's friction lies. The motion is then the one that ends nearest to the goal in the worst of
+        it, by simulation; else the first that sticks with a margin.
 
     Raises
     ------
     InfeasibleError
         If no choice of the phases' lengths keeps every limit: the limits that the gentlest one breaks.
     """
-    tasks = sorted(_candidates(first, r_now, setup), key=lambda task: max(SAFE_LOAD, stick_load(task, setup)))
     refusals = []
-    for task in tasks:
+    for task in _ranked(first, r_now, setup, friction):
         try:
             return plan(task, setup)
         except InfeasibleError as refusal:
             refusals.append(refusal)
     raise min(refusals, key=lambda refusal: len(refusal.lines))
+
+
+def _ranked(first: Regrasp, r_now: FloatArray, setup: Setup, friction: FrictionInterval | None) -> Iterator[Regrasp]:
+    """Candidates, the best first; those that begin where the hand rests after a trial are the last resort."""
+    for q_o_start in (first.q_o_start, object_pose(first.q_f_end, np.asarray(r_now, dtype=float))):
+        tasks = list(_candidates(replace(first, q_o_start=q_o_start), r_now, setup))
+        motions = [grasp_motion(task, setup) for task in tasks]
+        costs = [
+            (
+                0.0 if friction is None else _worst_miss(task, motion, setup, friction),
+                max(SAFE_LOAD, sticking_share(task, motion)),
+            )
+            for task, motion in zip(tasks, motions, strict=True)
+        ]
+        for index in sorted(range(len(tasks)), key=lambda one: costs[one]):
+            yield tasks[index]
+
+
+def _worst_miss(task: Regrasp, motion: Motion, setup: Setup, friction: FrictionInterval) -> float:
+    """Largest distance from the goal, m, over the interval; what is lost counts as a length of the block."""
+    frictions = np.linspace(friction.low, friction.high, TRIED)
+    finger, block = setup.finger, setup.block
+    rho = finger.a * finger.c
+    starts = np.tile(task.r_start, (TRIED, 1))
+    kappa = frictions * finger.f_N / block.m
+    hand = SampledHand(motion.time_s, motion.q_f, task.boundaries)
+    told = predict(hand, block, rho, kappa=kappa, r_start=starts)
+    miss = (told.r_f_b - task.r_goal) * np.array([1.0, 1.0, rho])
+    return float(np.max(np.where(told.lost, block.length + block.width, np.linalg.norm(miss, axis=1))))
 
 
 def _candidates(first: Regrasp, r_now: FloatArray, setup: Setup) -> Iterator[Regrasp]:

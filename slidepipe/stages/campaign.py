@@ -1,66 +1,39 @@
-"""Run: plan, execute, estimate and iterate until the goal is reached."""
+"""Run: plan, execute, estimate and iterate until the goal is reached, or until there is a reason to stop."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from slidepipe.artifacts.campaign import CampaignDocument, CampaignRow, CampaignRuns
-from slidepipe.artifacts.draft import Draft
+from slidepipe.artifacts.campaign import CampaignDocument
 from slidepipe.artifacts.experiment import Experiment, load_experiment
-from slidepipe.artifacts.manifest import InputRef
-from slidepipe.artifacts.run import Run, outside_input
-from slidepipe.artifacts.schema import dump_model
+from slidepipe.artifacts.iteration_setup import Way
+from slidepipe.artifacts.run import Run
 from slidepipe.artifacts.store import Store
 from slidepipe.errors import RefusedError
-from slidepipe.stages import estimate, execute, iterate, plan
-from slidepipe.stages.pictures import TrialRuns, draw_pictures
-from slidepipe.stages.plan_files import EXPERIMENT, PLAN
+from slidepipe.stages import campaign_files, estimate, execute, iterate, plan
+from slidepipe.stages.campaign_files import CAMPAIGN, SLIDING, TRACKING, CampaignEnd, CampaignResult
+from slidepipe.stages.past import past_trials
+from slidepipe.stages.resume import Tip, find_tip, finished_campaign
+from slidepipe.stages.stopping import Stop, no_plan, stop_after
 
-STAGE, STAGE_VERSION = "run", 1
-CAMPAIGN, TRACKING, SLIDING = "campaign", "tracking", "sliding"
-"""Roles of a campaign's files."""
+__all__ = ["CAMPAIGN", "SLIDING", "TRACKING", "CampaignRequest", "CampaignResult", "run"]
 
 
 @dataclass(frozen=True, slots=True)
 class CampaignRequest:
-    """Which experiment to run; ``trials`` and ``friction`` stand over its own; ``report`` is told of every stage."""
+    """Which experiment to run; ``trials`` and ``way`` stand over its own; ``report`` is told of every stage.
+
+    With ``resume`` the experiment's last campaign goes on where it ended or was interrupted.
+    """
 
     experiment: Path
     store: Store
     report: Callable[[str], None]
     overrides: tuple[str, ...] = ()
     trials: int | None = None
-    friction: str | None = None
+    way: Way | None = None
+    resume: bool = False
     command: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class CampaignResult:
-    """The campaign's run and document."""
-
-    run: Run
-    document: CampaignDocument
-
-
-@dataclass(frozen=True, slots=True)
-class _Trial:
-    plan: plan.PlanResult | iterate.IterateResult
-    execute: execute.ExecuteResult
-    estimate: estimate.EstimateResult
-
-    @property
-    def runs(self) -> TrialRuns:
-        plan_run = self.plan.run
-        if plan_run is None:
-            raise RefusedError("run: a trial without a plan")
-        return TrialRuns(plan_run, self.execute.run, self.estimate.run)
-
-
-@dataclass(frozen=True, slots=True)
-class _Outcome:
-    trials: tuple[_Trial, ...]
-    converged: bool
-    stopped_because: str | None
 
 
 def run(request: CampaignRequest) -> CampaignResult:
@@ -75,110 +48,72 @@ def run(request: CampaignRequest) -> CampaignResult:
     """
     experiment = load_experiment(request.experiment, request.overrides)
     first = plan.run(plan.PlanRequest(request.experiment, request.store, request.overrides, command=request.command))
-    request.report(f"trial 1: planned {first.run.id}")
-    outcome = _loop(request, experiment, first)
-    draft = request.store.draft(
-        stage=STAGE,
-        stage_version=STAGE_VERSION,
-        experiment=experiment.name,
-        parameters=experiment.model_dump(mode="json"),
-        inputs=_inputs(request, outcome),
-        seed=experiment.lab.seed,
-        command=request.command,
-    )
-    with draft:
-        document = _document(experiment, outcome)
-        _write(draft, document, experiment, outcome)
-    return CampaignResult(draft.run, document)
+    tip = _begin(request, first.run)
+    if tip.estimate_run is not None:
+        done = finished_campaign(request.store, tip.estimate_run.id)
+        if done is not None and done.document.converged:
+            request.report(f"nothing to resume: campaign {done.run.id} has converged")
+            return done
+    end = _loop(request, experiment, tip)
+    return campaign_files.publish(request.store, request.experiment, experiment, end, request.command)
 
 
-def _loop(request: CampaignRequest, experiment: Experiment, first: plan.PlanResult) -> _Outcome:
-    trials: list[_Trial] = []
-    planned: plan.PlanResult | iterate.IterateResult = first
+def play(request: CampaignRequest) -> CampaignDocument:
+    """Run the whole loop as :func:`run` does, and publish neither the table nor the pictures."""
+    experiment = load_experiment(request.experiment, request.overrides)
+    first = plan.run(plan.PlanRequest(request.experiment, request.store, request.overrides, command=request.command))
+    return campaign_files.campaign_document(experiment, _loop(request, experiment, _begin(request, first.run)))
+
+
+def _begin(request: CampaignRequest, first: Run) -> Tip:
+    """Where to start: at the first plan, or where the last campaign of this plan was left."""
+    if request.resume:
+        tip = find_tip(request.store, first)
+        if tip is not None:
+            request.report(f"trial {tip.number}: resumed, executed {tip.trial_run.id if tip.trial_run else ''} before")
+            return tip
+        request.report("nothing to resume: no trial of this plan was executed yet")
+    request.report(f"trial 1: planned {first.id}")
+    return Tip(1, first, None, None)
+
+
+def _loop(request: CampaignRequest, experiment: Experiment, tip: Tip) -> CampaignEnd:
     limit = request.trials or experiment.iteration.max_trials
+    resumed = tip.trial_run is not None
     while True:
-        trials.append(_run_trial(request, planned, len(trials) + 1))
-        told = trials[-1].estimate
-        if told.document.lost is not None:
-            return _Outcome(tuple(trials), converged=False, stopped_because=told.document.lost)
-        if told.document.final_relative_pose and iterate.within_tolerance(
-            told.document.final_relative_pose, experiment
-        ):
-            return _Outcome(tuple(trials), converged=True, stopped_because=None)
-        if len(trials) == limit:
-            return _Outcome(tuple(trials), converged=False, stopped_because=None)
+        told = _told(request, tip)
+        past = past_trials(request.store, told.id)
+        stop = stop_after([one.estimate for one in past], experiment, limit)
+        if stop is not None and not (resumed and _may_go_on(stop, len(past), limit)):
+            return CampaignEnd(past, stop)
+        resumed = False
+        lost = past[-1].estimate.final_relative_pose is None
         try:
             planned = iterate.run(
-                iterate.IterateRequest(told.run.id, request.store, request.friction, command=request.command)
+                iterate.IterateRequest(told.id, request.store, request.way, put_back=lost, command=request.command)
             )
         except RefusedError as refusal:
-            return _Outcome(tuple(trials), converged=False, stopped_because="; ".join(refusal.lines))
-        if planned.document is not None and planned.run is not None:
-            request.report(f"trial {len(trials) + 1}: planned {planned.run.id}: {planned.document.reason}")
+            return CampaignEnd(past, no_plan("; ".join(refusal.lines)))
+        if planned.run is None or planned.document is None:
+            raise RefusedError("run: there is nothing left to plan")
+        tip = Tip(len(past) + 1, planned.run, None, None)
+        request.report(f"trial {tip.number}: planned {planned.run.id}: {planned.document.reason}")
 
 
-def _run_trial(request: CampaignRequest, planned: plan.PlanResult | iterate.IterateResult, number: int) -> _Trial:
-    if planned.run is None:
-        raise RefusedError("run: there is nothing left to plan")
-    done = execute.run(execute.ExecuteRequest(planned.run.id, request.store, command=request.command))
-    request.report(f"trial {number}: executed {done.run.id}: {done.document.outcome}")
-    told = estimate.run(estimate.EstimateRequest(done.run.id, request.store, command=request.command))
-    request.report(f"trial {number}: estimated {told.run.id}")
-    return _Trial(planned, done, told)
+def _told(request: CampaignRequest, tip: Tip) -> Run:
+    """Estimate of the tip's trial: executed and estimated now, as far as that was not done before."""
+    if tip.estimate_run is not None:
+        return tip.estimate_run
+    trial = tip.trial_run
+    if trial is None:
+        done = execute.run(execute.ExecuteRequest(tip.plan_run.id, request.store, command=request.command))
+        request.report(f"trial {tip.number}: executed {done.run.id}: {done.document.outcome}")
+        trial = done.run
+    told = estimate.run(estimate.EstimateRequest(trial.id, request.store, command=request.command))
+    request.report(f"trial {tip.number}: estimated {told.run.id}")
+    return told.run
 
 
-def _inputs(request: CampaignRequest, outcome: _Outcome) -> tuple[InputRef, ...]:
-    inputs = [outside_input(EXPERIMENT, request.experiment)]
-    for trial in outcome.trials:
-        inputs += [
-            trial.runs.plan.input(PLAN),
-            trial.runs.execute.input(execute.TRIAL),
-            trial.runs.estimate.input(estimate.ESTIMATE),
-        ]
-    return tuple(inputs)
-
-
-def _document(experiment: Experiment, outcome: _Outcome) -> CampaignDocument:
-    return CampaignDocument(
-        experiment=experiment.name,
-        rows=tuple(_row(number, trial, experiment) for number, trial in enumerate(outcome.trials, start=1)),
-        converged=outcome.converged,
-        stopped_because=outcome.stopped_because,
-        pictures=("tracking.png", "sliding.png"),
-    )
-
-
-def _row(number: int, trial: _Trial, experiment: Experiment) -> CampaignRow:
-    told, truth, planned = trial.estimate.document, trial.execute.truth, trial.plan.document
-    if planned is None:
-        raise RefusedError("run: a trial without a plan")
-    reached = told.final_relative_pose
-    left = iterate.miss(reached, experiment) if reached else None
-    really = iterate.miss(truth.final_relative_pose, experiment) if truth else None
-    return CampaignRow(
-        trial=number,
-        runs=CampaignRuns(plan=trial.runs.plan.id, execute=trial.runs.execute.id, estimate=trial.runs.estimate.id),
-        outcome="held" if told.lost is None else "lost",
-        planned_relative_pose=planned.goal_relative_pose,
-        reached_relative_pose=reached,
-        true_relative_pose=truth.final_relative_pose if truth else None,
-        error_m=left.position_m if left else None,
-        error_rad=left.angle_rad if left else None,
-        true_error_m=really.position_m if really else None,
-        true_error_rad=really.angle_rad if really else None,
-        believed_friction=planned.believed.friction,
-        estimated_friction=told.friction.mu.value if told.friction else None,
-        estimated_friction_interval_95=told.friction.mu.interval_95 if told.friction else None,
-        true_friction=truth.friction if truth else None,
-    )
-
-
-def _write(draft: Draft, document: CampaignDocument, experiment: Experiment, outcome: _Outcome) -> None:
-    draft.add(CAMPAIGN, "campaign.yaml").write_text(dump_model(document), encoding="utf-8")
-    shown = [outcome.trials[0].runs, outcome.trials[-1].runs][: len(outcome.trials)]
-    draw_pictures(shown, experiment, draft.add(TRACKING, "tracking.png"), draft.add(SLIDING, "sliding.png"))
-    draft.report("trials", len(document.rows), unit="1")
-    last = document.rows[-1]
-    if last.error_m is not None and last.error_rad is not None:
-        draft.report("error", last.error_m, unit="m")
-        draft.report("turn_error", last.error_rad, unit="rad")
+def _may_go_on(stop: Stop, trials: int, limit: int) -> bool:
+    """Whether a person who resumes has taken away the reason to stop: an object put back, or patience."""
+    return stop.outcome in {"lost", "no progress"} and trials < limit

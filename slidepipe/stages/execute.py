@@ -27,24 +27,39 @@ from slidepipe.lab.simulated import SimulatedLab, Truth
 from slidepipe.series import FloatArray, MocapSeries
 from slidepipe.stages.plan_files import EXPERIMENT, PLAN, REFERENCE, REFERENCE_JOINTS
 from slidepipe.stages.recorder import TrialRecorder
-from slidepipe.stages.translate import cameras, setup, tracker, vector, world
+from slidepipe.stages.translate import cameras, scattered, setup, tracker, vector, world
 
 STAGE, STAGE_VERSION = "execute", 1
 TRIAL, RECORDING, TRUTH, TRUE_POSES = "trial", "recording", "truth", "true-poses"
 """Roles of a trial's files."""
 TRUE_HAND, TRUE_OBJECT = "/truth/hand", "/truth/object"
+REPETITION = "repetition"
+"""Parameter of a trial that repeats a plan."""
 SLIDES_ABOVE_M_S = 0.005
 """MuJoCo's soft contact creeps below this speed while it sticks."""
 
 
 @dataclass(frozen=True, slots=True)
 class ExecuteRequest:
-    """Which plan to run; ``overrides`` may change the simulated lab alone (``lab.key=value``)."""
+    """Which plan to run; ``overrides`` may change the simulated lab alone (``lab.key=value``).
+
+    ``repetition`` counts trials of the same plan that are to be compared: from 1; 0 is a trial of a campaign.
+    """
 
     plan: str
     store: Store
     overrides: tuple[str, ...] = ()
+    repetition: int = 0
     command: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class _WorldNow:
+    """World as it is in one trial: its friction and forces, where the finger really is, and its seeds."""
+
+    experiment: Experiment
+    r_start: FloatArray
+    seeds: list[int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,16 +88,18 @@ def run(request: ExecuteRequest) -> ExecuteResult:
         stage=STAGE,
         stage_version=STAGE_VERSION,
         experiment=experiment.name,
-        parameters=experiment.model_dump(mode="json"),
+        parameters=experiment.model_dump(mode="json")
+        | ({REPETITION: request.repetition} if request.repetition else {}),
         inputs=tuple(plan_run.input(role) for role in (PLAN, REFERENCE, EXPERIMENT)),
         seed=experiment.lab.seed,
         command=request.command,
     )
     with draft:
-        lab, execution = _record(draft, plan_run, plan, experiment, _true_start(plan, request.store))
+        world_now = _world_now(plan, experiment, request)
+        lab, execution = _record(draft, plan_run, world_now)
         recording = read_recording(draft.path("trial.mcap"))
         document = _trial(recording, execution, plan_run.id, experiment)
-        truth = _truth(lab.truth(), document, experiment)
+        truth = _truth(lab.truth(), document, world_now.experiment)
         _write(draft, document, truth, lab.truth())
     return ExecuteResult(draft.run, document, truth)
 
@@ -96,27 +113,34 @@ def _experiment(path: Path, overrides: tuple[str, ...]) -> Experiment:
     return load_experiment(path, overrides)
 
 
-def _true_start(plan: PlanDocument, store: Store) -> FloatArray:
-    """Where the block really is: where the trial before left it, else where the experiment puts it."""
-    if plan.previous_estimate is None:
-        return vector(plan.start_relative_pose)
-    estimate = store.get(plan.previous_estimate)
-    trial = next(one.run for one in estimate.manifest.inputs if one.role == RECORDING and one.run is not None)
-    truth = parse(TruthDocument, load(store.get(trial).file(TRUTH)))
-    return vector(truth.final_relative_pose)
+def _world_now(plan: PlanDocument, experiment: Experiment, request: ExecuteRequest) -> _WorldNow:
+    actual = scattered(experiment, plan.trial, request.repetition)
+    seeds = [experiment.lab.seed, plan.trial, *([request.repetition] if request.repetition else [])]
+    return _WorldNow(actual, _true_start(plan, actual, request.store), seeds)
 
 
-def _record(
-    draft: Draft, plan_run: Run, plan: PlanDocument, experiment: Experiment, start: FloatArray
-) -> tuple[SimulatedLab, Execution]:
+def _true_start(plan: PlanDocument, actual: Experiment, store: Store) -> FloatArray:
+    """Where the block really is: where the trial before left it, else where the finger was put down."""
+    if plan.previous_estimate is not None:
+        estimate = store.get(plan.previous_estimate)
+        trial = next(one.run for one in estimate.manifest.inputs if one.role == RECORDING and one.run is not None)
+        truth = parse(TruthDocument, load(store.get(trial).file(TRUTH)))
+        if truth.outcome == "held":
+            return vector(truth.final_relative_pose)
+    error = actual.lab.grasp_error
+    return np.asarray(vector(plan.start_relative_pose) + np.array([error.x_m, error.y_m, error.theta_rad]))
+
+
+def _record(draft: Draft, plan_run: Run, world_now: _WorldNow) -> tuple[SimulatedLab, Execution]:
+    experiment = world_now.experiment
     reference = read_recording(plan_run.file(REFERENCE)).joints(REFERENCE_JOINTS)
     lab = SimulatedLab(
         world(experiment),
         tracker(experiment),
         cameras(experiment),
         reference.position_rad[0],
-        start,
-        random=np.random.default_rng([experiment.lab.seed, plan.trial]),
+        world_now.r_start,
+        random=np.random.default_rng(world_now.seeds),
     )
     provenance = {
         "run": draft.run_id,

@@ -1,64 +1,63 @@
-"""Iterate: the next plan from the last estimate, in the manner of Theorem 1."""
+"""Iterate: the next plan from the trials so far, in the manner of Theorem 1."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from slidepipe.artifacts.estimate import EstimateDocument
+from slidepipe.arm.identify import ArmCorrection
+from slidepipe.artifacts.draft import Draft
 from slidepipe.artifacts.experiment import Experiment, load_experiment
-from slidepipe.artifacts.plan import Belief, PlanDocument
+from slidepipe.artifacts.iteration_setup import Way
+from slidepipe.artifacts.plan import PlanDocument
 from slidepipe.artifacts.run import Run
-from slidepipe.artifacts.schema import parse
+from slidepipe.artifacts.schema import dump_model, parse
 from slidepipe.artifacts.store import Store
 from slidepipe.artifacts.strict_yaml import load
-from slidepipe.artifacts.values import Pose, UncertainPose
+from slidepipe.artifacts.values import UncertainPose
+from slidepipe.artifacts.why import WhyDocument
 from slidepipe.errors import RefusedError
-from slidepipe.planning.replan import replan
+from slidepipe.planning.planner import Plan
+from slidepipe.planning.replan import FrictionInterval
+from slidepipe.series import FloatArray
+from slidepipe.stages.belief import FrictionBelief, believe
 from slidepipe.stages.estimate import ESTIMATE
+from slidepipe.stages.execute import RECORDING
+from slidepipe.stages.explain import explain, reason_of
+from slidepipe.stages.goal import miss, within_tolerance
+from slidepipe.stages.learn import correction_document, learn, with_correction
+from slidepipe.stages.motions import next_plan
+from slidepipe.stages.past import PastTrial, past_trials
 from slidepipe.stages.plan_files import EXPERIMENT, PLAN, Occasion, write_plan
-from slidepipe.stages.translate import first_regrasp, setup, vector
+from slidepipe.stages.translate import vector
 
-STAGE, STAGE_VERSION = "iterate", 1
-Z95 = 1.96
+STAGE, STAGE_VERSION = "iterate", 2
+WHY, ARM = "why", "arm"
+"""Roles of the files beside the plan's."""
 
 
 @dataclass(frozen=True, slots=True)
 class IterateRequest:
-    """Which estimate to go on from; ``friction`` (``estimate`` or ``keep``) stands over the experiment's choice."""
+    """Which estimate to go on from; ``way`` stands over the experiment's choice.
+
+    ``put_back`` says that an object which was lost is in the grip again, where the experiment starts.
+    """
 
     estimate: str
     store: Store
-    friction: str | None = None
+    way: Way | None = None
+    put_back: bool = False
     force: bool = False
     command: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class IterateResult:
-    """The next plan's run and document; both are None where the goal is reached."""
+    """The next plan's run and document, and why it is as it is; all are None where the goal is reached."""
 
     run: Run | None
     document: PlanDocument | None
+    why: WhyDocument | None
     reused: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Miss:
-    """Distance and angle from the goal's relative pose."""
-
-    position_m: float
-    angle_rad: float
-
-
-@dataclass(frozen=True, slots=True)
-class _Past:
-    """The chain that an estimate stands in."""
-
-    estimate: EstimateDocument
-    estimate_run: Run
-    plan: PlanDocument
-    plan_run: Run
-    experiment: Experiment
 
 
 def run(request: IterateRequest) -> IterateResult:
@@ -71,105 +70,72 @@ def run(request: IterateRequest) -> IterateResult:
     InfeasibleError
         The remaining error cannot be corrected within the limits.
     """
-    past = _past(request)
-    reached = past.estimate.final_relative_pose
-    if reached is None:
+    past = past_trials(request.store, request.estimate)
+    last = past[-1]
+    experiment = load_experiment(last.plan_run.file(EXPERIMENT))
+    reached = last.estimate.final_relative_pose
+    if reached is None and not request.put_back:
         raise RefusedError(
-            f"iterate: the object was lost ({past.estimate.lost}): "
-            "put it back into the grip and plan the experiment anew"
+            f"iterate: the object was lost ({last.estimate.lost}): put it back into the grip at start.relative_pose, "
+            "then go on with slidepipe run EXPERIMENT --resume, or slidepipe iterate ESTIMATE --put-back"
         )
-    if within_tolerance(reached, past.experiment):
-        return IterateResult(None, None, reused=False)
-    belief = _believe(past, request.friction or past.experiment.iteration.friction)
-    draft = request.store.draft(
-        stage=STAGE,
-        stage_version=STAGE_VERSION,
-        experiment=past.experiment.name,
-        parameters=past.experiment.model_dump(mode="json") | {"friction_from": belief.source},
-        inputs=(past.estimate_run.input(ESTIMATE), past.plan_run.input(PLAN), past.plan_run.input(EXPERIMENT)),
-        command=request.command,
-    )
+    if reached is not None and within_tolerance(reached, experiment):
+        return IterateResult(None, None, None, reused=False)
+    way = request.way or experiment.iteration.way
+    draft = _draft(request, past, experiment, way)
     known = None if request.force else request.store.find_recipe(draft.recipe)
     if known is not None:
-        return IterateResult(known, parse(PlanDocument, load(known.file(PLAN))), reused=True)
+        return _known(known)
     with draft:
-        chosen = replan(
-            first_regrasp(past.experiment), np.array(reached.vector), setup(past.experiment, belief.friction)
-        )
+        belief = believe(past, way, experiment)
+        correction = learn(past, experiment) if way == "learned" else None
+        chosen = _choose(belief, _from_where(reached, experiment), experiment, correction)
+        why = explain(chosen, belief, past, experiment, way=way, correction=correction)
         occasion = Occasion(
-            trial=past.plan.trial + 1,
-            reason=_reason(miss(reached, past.experiment), belief),
-            previous_estimate=past.estimate_run.id,
+            trial=last.plan.trial + 1,
+            reason=reason_of(None if reached is None else miss(reached, experiment), belief),
+            previous_estimate=last.estimate_run.id,
             friction=belief.friction,
             friction_std=belief.std,
         )
-        document = write_plan(draft, chosen, past.experiment, occasion)
-    return IterateResult(draft.run, document, reused=False)
+        document = write_plan(draft, chosen, experiment, occasion)
+        draft.add(WHY, "why.yaml").write_text(dump_model(why), encoding="utf-8")
+        if correction is not None:
+            told = correction_document(correction, past, experiment)
+            draft.add(ARM, "arm.yaml").write_text(dump_model(told), encoding="utf-8")
+    return IterateResult(draft.run, document, why, reused=False)
 
 
-def miss(reached: UncertainPose | Pose, experiment: Experiment) -> Miss:
-    """How far a relative pose is from the experiment's goal."""
-    error = np.array(reached.vector) - vector(experiment.goal.relative_pose)
-    turn = (error[2] + np.pi) % (2 * np.pi) - np.pi
-    return Miss(float(np.hypot(error[0], error[1])), float(abs(turn)))
-
-
-def within_tolerance(reached: UncertainPose | Pose, experiment: Experiment) -> bool:
-    """Whether the goal is reached."""
-    left, tolerance = miss(reached, experiment), experiment.goal.tolerance
-    return left.position_m <= tolerance.position_m and left.angle_rad <= tolerance.angle_rad
-
-
-@dataclass(frozen=True, slots=True)
-class _Belief:
-    friction: float
-    std: float | None
-    source: str
-
-
-def _past(request: IterateRequest) -> _Past:
-    store = request.store
-    estimate_run = store.get(request.estimate)
-    estimate = parse(EstimateDocument, load(estimate_run.file(ESTIMATE)))
-    trial_run = store.get(estimate.trial)
-    plan_run = store.get(next(one.run for one in trial_run.manifest.inputs if one.role == PLAN and one.run))
-    return _Past(
-        estimate=estimate,
-        estimate_run=estimate_run,
-        plan=parse(PlanDocument, load(plan_run.file(PLAN))),
-        plan_run=plan_run,
-        experiment=load_experiment(plan_run.file(EXPERIMENT)),
+def _draft(request: IterateRequest, past: tuple[PastTrial, ...], experiment: Experiment, way: Way) -> Draft:
+    """Everything that the next plan depends on: the recordings too where the arm is learned from them."""
+    inputs = [past[-1].estimate_run.input(ESTIMATE), past[-1].plan_run.input(PLAN)]
+    inputs += [past[-1].plan_run.input(EXPERIMENT)]
+    inputs += [one.estimate_run.input(ESTIMATE) for one in past[:-1]]
+    if way == "learned":
+        inputs += [one.trial_run.input(RECORDING) for one in past]
+    return request.store.draft(
+        stage=STAGE,
+        stage_version=STAGE_VERSION,
+        experiment=experiment.name,
+        parameters=experiment.model_dump(mode="json") | {"way": way, "put_back": request.put_back},
+        inputs=tuple(inputs),
+        command=request.command,
     )
 
 
-def _believe(past: _Past, choice: str) -> _Belief:
-    """Take the more certain of the new estimate and the old belief.
-
-    A block that did not slide tells a lower bound, which stands over a belief that nobody has measured.
-    """
-    old = past.plan.believed
-    kept = _Belief(old.friction, old.friction_std, "the belief before")
-    if choice == "keep":
-        return kept
-    if past.estimate.slide is None and old.friction_std is None:
-        return _Belief(_least_friction(past.plan, old), None, "the block's not sliding: at least this")
-    told = past.estimate.friction
-    if told is None:
-        return kept
-    std = (told.mu.interval_95[1] - told.mu.interval_95[0]) / (2 * Z95)
-    if old.friction_std is not None and old.friction_std < std:
-        return kept
-    return _Belief(told.mu.value, std, "the estimate")
+def _known(run: Run) -> IterateResult:
+    plan, why = (load(run.file(role)) for role in (PLAN, WHY))
+    return IterateResult(run, parse(PlanDocument, plan), parse(WhyDocument, why), reused=True)
 
 
-def _least_friction(plan: PlanDocument, old: Belief) -> float:
-    """Friction at which the planned slide would just not have begun: the relative acceleration comes on top."""
-    ddr = plan.slide.relative_acceleration
-    return old.friction * (1.0 + float(np.hypot(ddr[0], ddr[1])) / old.kappa_m_s2)
+def _from_where(reached: UncertainPose | None, experiment: Experiment) -> FloatArray:
+    """Relative pose that the next trial starts from: where it was seen, or where it was put back."""
+    return vector(experiment.start.relative_pose) if reached is None else np.array(reached.vector)
 
 
-def _reason(left: Miss, belief: _Belief) -> str:
-    return (
-        f"{1e3 * left.position_m:.2f} mm and {1e3 * left.angle_rad:.1f} mrad were left to slide; "
-        f"friction {belief.friction:.4f} from {belief.source}"
-    )
+def _choose(
+    belief: FrictionBelief, r_now: FloatArray, experiment: Experiment, correction: ArmCorrection | None
+) -> Plan:
+    interval = None if belief.interval is None else FrictionInterval(*belief.interval)
+    plan = next_plan(experiment, r_now, belief.friction, interval)
+    return plan if correction is None else with_correction(plan, correction, experiment)

@@ -1,13 +1,17 @@
 """From an experiment to its plan: the times that it gives, or the motion that the planner finds by itself."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from slidepipe.artifacts.experiment import Experiment
 from slidepipe.artifacts.values import Pose
 from slidepipe.planning.automatic import plan_automatically
 from slidepipe.planning.planner import Plan, plan
+from slidepipe.planning.replan import FrictionInterval, replan
 from slidepipe.planning.search import Task
 from slidepipe.planning.wish import WEIGHTS, Objective, Weights, Wish
+from slidepipe.series import FloatArray
 from slidepipe.stages.translate import first_regrasp, setup, vector
 
 
@@ -23,6 +27,27 @@ def first_plan(experiment: Experiment) -> Plan:
     if experiment.motion.chosen_by_planner:
         return plan_automatically(task(experiment), believed, wish(experiment))
     return plan(first_regrasp(experiment), believed)
+
+
+def next_plan(experiment: Experiment, r_now: FloatArray, friction: float, interval: FrictionInterval | None) -> Plan:
+    """The plan of a later trial, from where the last one ended and what is now believed.
+
+    The planner's own motion must survive what is left of the friction's interval, no more: a short slide cannot survive
+    as much as a long one.
+
+    Raises
+    ------
+    InfeasibleError
+        The remaining error cannot be corrected within the limits.
+    """
+    believed = setup(experiment, friction)
+    if not experiment.motion.chosen_by_planner:
+        return replan(first_regrasp(experiment), r_now, believed, interval)
+    asked = wish(experiment)
+    if interval is not None:
+        doubt = max(friction - interval.low, interval.high - friction) / friction
+        asked = replace(asked, friction_error=min(asked.friction_error, doubt))
+    return plan_automatically(replace(task(experiment), r_start=np.asarray(r_now, dtype=float)), believed, asked)
 
 
 def task(experiment: Experiment) -> Task:

@@ -3,9 +3,11 @@
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from slidepipe.arm.model import Tool
 from slidepipe.artifacts.experiment import Experiment
+from slidepipe.artifacts.lab_setup import GraspError, Scatter
 from slidepipe.artifacts.values import Pose
 from slidepipe.errors import InputError
 from slidepipe.lab.cameras import CameraSettings
@@ -17,8 +19,10 @@ from slidepipe.mechanics.planar import MotionPlane
 from slidepipe.planning.limits import Limits
 from slidepipe.planning.planner import Setup
 from slidepipe.planning.three_phase import Regrasp
-from slidepipe.series import FloatArray
+from slidepipe.series import FloatArray, PoseSeries
 
+SCATTER_STREAM = 1
+"""Keeps what differs from trial to trial apart from the cameras' noise."""
 PINCH = 2
 """Fingers of the gripper in the simulated lab."""
 
@@ -32,6 +36,14 @@ def motion_plane(experiment: Experiment) -> MotionPlane:
     """The plane of motion in the arm's base frame."""
     plane = experiment.arm.plane
     return MotionPlane(np.array(plane.origin_m), plane.heading_rad)
+
+
+def hand_in_plane(poses: PoseSeries, experiment: Experiment) -> FloatArray:
+    """Poses in the base frame as (T, 3) in {w}, the angle without jumps."""
+    matrices = Rotation.from_quat(poses.quaternion_xyzw).as_matrix()
+    planar: FloatArray = motion_plane(experiment).project(poses.position_m, matrices)
+    planar[:, 2] = np.unwrap(planar[:, 2])
+    return planar
 
 
 def block(experiment: Experiment) -> Block:
@@ -90,6 +102,26 @@ def first_regrasp(experiment: Experiment) -> Regrasp:
         T23=times.slide_s,
         T4=times.settle_s,
     )
+
+
+def scattered(experiment: Experiment, trial: int, repetition: int = 0) -> Experiment:
+    """Experiment with the world as it is in one trial, drawn by ``lab.scatter``; the same draw for the same trial."""
+    lab, scatter = experiment.lab, experiment.lab.scatter
+    if scatter == Scatter():
+        return experiment
+    draw = np.random.default_rng([lab.seed, trial, repetition, SCATTER_STREAM]).standard_normal(5)
+    grasp_m, error = scatter.grasp_position_m, lab.grasp_error
+    changed = {
+        "friction": lab.friction * float(np.exp(scatter.friction_share * draw[0])),
+        "normal_force_per_finger_n": lab.normal_force_per_finger_n
+        * float(np.exp(scatter.normal_force_share * draw[1])),
+        "grasp_error": GraspError(
+            x_m=error.x_m + grasp_m * float(draw[2]),
+            y_m=error.y_m + grasp_m * float(draw[3]),
+            theta_rad=error.theta_rad + scatter.grasp_angle_rad * float(draw[4]),
+        ),
+    }
+    return experiment.model_copy(update={"lab": lab.model_copy(update=changed)})
 
 
 def world(experiment: Experiment) -> WorldSettings:

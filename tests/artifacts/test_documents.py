@@ -102,7 +102,9 @@ CAMPAIGN = CampaignDocument(
         ),
     ),
     converged=False,
+    outcome="lost",
     stopped_because="the block was lost",
+    what_to_do="put it back",
     pictures=("fig10.png", "fig11.png"),
 )
 
@@ -110,7 +112,7 @@ CAMPAIGN = CampaignDocument(
 @pytest.mark.parametrize("document", [PLAN, TRIAL, TRUTH, ESTIMATE, CAMPAIGN], ids=lambda one: one.SCHEMA)
 def test_documents_come_back_equal(document):
     text = dump_model(document)
-    assert text.startswith(f"schema: {document.SCHEMA}/1\n")
+    assert text.startswith(f"schema: {document.SCHEMA}/{document.VERSION}\n")
     assert parse(type(document), loads(text, "a.yaml")) == document
 
 
@@ -131,3 +133,23 @@ def test_a_run_id_is_a_run_id():
 def test_poses_as_vectors():
     assert POSE.vector == REACHED.vector == (0.01, 0.02, 3.1)
     assert REACHED.std == (1e-5, 1e-5, 1e-4)
+
+
+@pytest.mark.parametrize(
+    ("converged", "because", "outcome", "expected"),
+    [
+        ("true", "null", "held", "converged"),
+        ("false", "null", "held", "out of trials"),
+        ("false", "gone", "lost", "lost"),
+        ("false", "joint 2 torque", "held", "no plan"),
+    ],
+)
+def test_a_campaign_of_version_1_tells_its_outcome(converged, because, outcome, expected):
+    text = (
+        dump_model(CAMPAIGN).replace("campaign/2", "campaign/1").replace("converged: false", f"converged: {converged}")
+    )
+    text = text.replace("stopped_because: the block was lost", f"stopped_because: {because}")
+    text = text.replace("  outcome: lost\n", f"  outcome: {outcome}\n", 1)
+    text = text.replace("\noutcome: lost\n", "\n").replace("what_to_do: put it back\n", "")
+    document = parse(CampaignDocument, loads(text, "a.yaml"))
+    assert (document.outcome, document.what_to_do) == (expected, None)

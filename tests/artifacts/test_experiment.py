@@ -75,7 +75,8 @@ def test_any_numbers_come_back_exactly(experiment_path, friction, x_m, mass_kg):
         ("name: paper_linear", "name: ../x", "2:1: name: must match ^[a-z0-9][a-z0-9_-]{0,63}$, got '../x'"),
         ("[0, 0, 0, 1.5, 0, 0, 0]", "[0, 0, 0, 1.5, 0, 0]", "19:3: arm.posture_rad: must have 7 entries, got 6"),
         ("29.4, 11.6", "29.4, -11.6", "22:49: arm.limits.joint_torque_n_m[4]: must be > 0, got -11.6"),
-        ("friction: estimate", "friction: no", "25:28: iteration.friction: must be 'estimate' or 'keep', got 'no'"),
+        ("friction: estimate", "friction: no",
+         "25:1: iteration.way: must be 'goal', 'posterior' or 'learned', got 'no'"),
         ("feedforward: true", "feedforward: yes", "30:24: lab.tracker.feedforward: must be true or false, got 'yes'"),
         ("rate_hz: 360", "dropout_share: 1", "31:13: lab.cameras.dropout_share: must be < 1, got 1"),
     ],
@@ -117,3 +118,10 @@ def test_a_directory_and_a_missing_file(tmp_path):
     assert caught.value.lines == (f"{tmp_path}: is a directory, a YAML file is needed",)
     with pytest.raises(NotFoundError):
         load_experiment(tmp_path / "none.yaml")
+
+
+@pytest.mark.parametrize(("friction", "way"), [("estimate", "posterior"), ("keep", "goal")])
+def test_version_1_said_what_becomes_of_the_friction(experiment_path, friction, way):
+    experiment_path.write_text(experiment_path.read_text().replace("friction: estimate", f"friction: {friction}"))
+    iteration = load_experiment(experiment_path).iteration
+    assert (iteration.way, iteration.max_trials, iteration.patience) == (way, 5, 3)

@@ -51,7 +51,7 @@ def stages(monkeypatch: pytest.MonkeyPatch) -> FakeStages:
     fakes.answer("plan", run=samples.plan_run(), document=samples.plan(), reused=False)
     fakes.answer("execute", run=samples.run(samples.TRIAL, "execute"), document=samples.trial(), truth=samples.truth())
     fakes.answer("estimate", run=samples.run(samples.ESTIMATE, "estimate"), document=samples.estimate(), reused=False)
-    fakes.answer("iterate", run=samples.plan_run(), document=samples.plan(trial=2), reused=False)
+    fakes.answer("iterate", run=samples.plan_run(), document=samples.plan(trial=2), why=None, reused=False)
     fakes.answer(
         "campaign",
         run=samples.run(samples.CAMPAIGN, "campaign"),

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from slidepipe.artifacts.campaign import CampaignDocument, CampaignRow, CampaignRuns
+from slidepipe.artifacts.campaign import CampaignDocument, CampaignOutcome, CampaignRow, CampaignRuns
 from slidepipe.artifacts.estimate import (
     Assumed,
     ClockFit,
@@ -228,8 +228,19 @@ def lost_row(number: int) -> CampaignRow:
     )
 
 
-def campaign(*rows: CampaignRow, converged: bool = True, because: str | None = None) -> CampaignDocument:
+def campaign(
+    *rows: CampaignRow,
+    outcome: CampaignOutcome = "converged",
+    because: str | None = None,
+    what_to_do: str | None = None,
+) -> CampaignDocument:
     pictures = ("tracking.png", "sliding.png")
     return CampaignDocument(
-        experiment="regrasp", rows=rows, converged=converged, stopped_because=because, pictures=pictures
+        experiment="regrasp",
+        rows=rows,
+        converged=outcome == "converged",
+        outcome=outcome,
+        stopped_because=because,
+        what_to_do=what_to_do,
+        pictures=pictures,
     )

@@ -71,7 +71,7 @@ def test_version(call) -> None:
         ["plan"],
         ["plan", "a.yaml", "b.yaml"],
         ["execute", "@latest", "--seed", "-1"],
-        ["iterate", "@latest", "--friction", "guess"],
+        ["iterate", "@latest", "--way", "guess"],
         ["run", "a.yaml", "--trials", "0"],
         ["ls", "too-much"],
         ["show"],

@@ -25,6 +25,7 @@ def test_plan(call, stages) -> None:
         "store": Store(Path("data")),
         "overrides": ("friction=0.4", "lab.seed=2"),
         "force": True,
+        "figure": False,
         "command": ("slidepipe", "plan", "e.yaml", "--set", "friction=0.4", "--set", "lab.seed=2", "--force"),
     }
 
@@ -53,27 +54,29 @@ def test_estimate(call, stages) -> None:
 
 
 def test_iterate(call, stages) -> None:
-    call("iterate", "9zq1", "--friction", "keep")
+    call("iterate", "9zq1", "--way", "goal")
     assert asked(stages) == {
         "estimate": "9zq1",
         "store": Store(Path("data")),
-        "friction": "keep",
+        "way": "goal",
+        "put_back": False,
         "force": False,
-        "command": ("slidepipe", "iterate", "9zq1", "--friction", "keep"),
+        "command": ("slidepipe", "iterate", "9zq1", "--way", "goal"),
     }
 
 
 def test_run(call, stages) -> None:
-    call("run", "e.yaml", "--trials", "3", "--friction", "estimate", "--set", "lab.seed=2")
+    call("run", "e.yaml", "--trials", "3", "--way", "learned", "--set", "lab.seed=2")
     assert asked(stages) == {
         "experiment": Path("e.yaml"),
         "store": Store(Path("data")),
         "overrides": ("lab.seed=2",),
         "trials": 3,
-        "friction": "estimate",
+        "way": "learned",
+        "resume": False,
         "command": (
             *("slidepipe", "run", "e.yaml", "--trials", "3"),
-            *("--friction", "estimate", "--set", "lab.seed=2"),
+            *("--way", "learned", "--set", "lab.seed=2"),
         ),
         "report": render.note,
     }
@@ -82,7 +85,7 @@ def test_run(call, stages) -> None:
 def test_what_is_not_given_is_left_to_the_experiment(call, stages) -> None:
     call("run", "e.yaml")
     request = asked(stages)
-    assert (request["overrides"], request["trials"], request["friction"]) == ((), None, None)
+    assert (request["overrides"], request["trials"], request["way"]) == ((), None, None)
 
 
 def test_progress_is_told_on_stderr_while_it_happens(call, stages) -> None:
@@ -106,7 +109,7 @@ RESULTS = {
     "estimate": (samples.run(samples.ESTIMATE, "estimate"), ["schema", "run", "directory", "reused", "document"]),
     "iterate": (
         samples.plan_run(),
-        ["schema", "run", "directory", "within_tolerance", "reused", "document"],
+        ["schema", "run", "directory", "within_tolerance", "reused", "document", "why"],
     ),
     "run": (samples.run(samples.CAMPAIGN, "campaign"), ["schema", "run", "directory", "document"]),
 }
@@ -122,7 +125,7 @@ def test_one_object_and_nothing_else(call, verb: str) -> None:
     assert told["schema"] == f"slidepipe.{verb}_result/1"
     assert (told["run"], told["directory"]) == (run.id, str(run.directory))
     name = {"execute": "trial", "iterate": "plan", "run": "campaign"}.get(verb, verb)
-    assert next(iter(told["document"].items())) == ("schema", f"slidepipe.{name}/1")
+    assert next(iter(told["document"].items())) == ("schema", f"slidepipe.{name}/{2 if verb == 'run' else 1}")
 
 
 def test_the_truth_is_told_where_it_is_known(call, stages) -> None:
@@ -136,7 +139,7 @@ def test_the_truth_is_told_where_it_is_known(call, stages) -> None:
     [
         ("execute", "execute", samples.trial("lost")),
         ("estimate", "estimate", samples.estimate(friction=False, lost="it fell")),
-        ("run", "campaign", samples.campaign(samples.row(1), converged=False)),
+        ("run", "campaign", samples.campaign(samples.row(1), outcome="lost")),
     ],
 )
 def test_no_is_told_by_the_code(call, stages, verb: str, stage: str, document) -> None:
@@ -147,7 +150,7 @@ def test_no_is_told_by_the_code(call, stages, verb: str, stage: str, document) -
 
 
 def test_nothing_left_to_iterate(call, stages) -> None:
-    stages.answer("iterate", run=None, document=None, reused=False)
+    stages.answer("iterate", run=None, document=None, why=None, reused=False)
     assert json.loads(call("iterate", "x", "--json").stdout) == {
         "schema": "slidepipe.iterate_result/1",
         "run": None,
@@ -155,6 +158,7 @@ def test_nothing_left_to_iterate(call, stages) -> None:
         "within_tolerance": True,
         "reused": False,
         "document": None,
+        "why": None,
     }
 
 

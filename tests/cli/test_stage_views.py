@@ -92,7 +92,7 @@ def test_iterate(call) -> None:
 
 
 def test_nothing_left_to_iterate(call, stages) -> None:
-    stages.answer("iterate", run=None, document=None, reused=False)
+    stages.answer("iterate", run=None, document=None, why=None, reused=False)
     result = call("iterate", "@latest")
     assert (result.exit_code, result.stderr) == (0, "")
     assert result.stdout == "within tolerance: the finger is where it was wanted, there is nothing left to plan\n"
@@ -170,14 +170,17 @@ def test_campaign_of_a_real_lab(call, stages) -> None:
 @pytest.mark.parametrize(
     ("document", "verdict"),
     [
-        (samples.campaign(samples.row(1), converged=False), "not converged: still out of tolerance after 1 trial"),
         (
-            samples.campaign(samples.row(1), samples.lost_row(2), converged=False),
+            samples.campaign(samples.row(1), outcome="out of trials"),
+            "not converged: still out of tolerance after 1 trial",
+        ),
+        (
+            samples.campaign(samples.row(1), samples.lost_row(2), outcome="lost"),
             "lost: the fingers did not hold the object to the end of trial 2",
         ),
         (
-            samples.campaign(samples.row(1), samples.row(2), converged=False, because="no motion within the limits"),
-            "stopped after 2 trials: no motion within the limits",
+            samples.campaign(samples.row(1), samples.row(2), outcome="no plan", because="no motion within the limits"),
+            "no plan: stopped after 2 trials: no motion within the limits",
         ),
     ],
 )
@@ -192,7 +195,7 @@ def test_lost_trial_in_a_campaign_and_no_number_is_cut(call, stages) -> None:
     far = samples.lost_row(1).model_copy(
         update={"true_relative_pose": Pose(x_m=-98765.4321, y_m=-1234.5, theta_rad=-987.6)}
     )
-    stages.answers["campaign"].document = samples.campaign(far, converged=False)
+    stages.answers["campaign"].document = samples.campaign(far, outcome="lost")
     lost, true = call("run", "e.yaml").stdout.splitlines()[5:7]
     assert lost.split() == ["lost", *("-" * 7)]
     assert true.split()[:3] == ["true", "-98765432.10", "-1234500.00"]

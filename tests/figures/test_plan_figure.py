@@ -17,7 +17,7 @@ from slidepipe.planning.planner import Plan
 @pytest.fixture(scope="module")
 def picture(rotational_plan: Plan) -> PlanPicture:
     setup, motion = rotational_setup(), rotational_plan.motion
-    start, slide, _, settle, stop = rotational_plan.regrasp.boundaries
+    start, slide, _, settle, stop = rotational_plan.course.boundaries
     wrench = np.einsum("tji,tj->ti", rotation(motion.q_o[:, 2]), setup.block.M * motion.ddq_o - setup.block.g)
     f_f = np.einsum("tji,tj->ti", rotation(motion.r_b[:, 2]), about_com(wrench, -motion.r_b))
     return PlanPicture(

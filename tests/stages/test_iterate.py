@@ -30,7 +30,7 @@ def test_shorter_slide_keeps_the_accelerations(regrasp) -> None:
 
 def test_friction_may_be_kept(regrasp) -> None:
     result, store, _ = regrasp
-    request = iterate.IterateRequest(result.document.rows[0].runs.estimate, store, friction="keep")
+    request = iterate.IterateRequest(result.document.rows[0].runs.estimate, store, way="goal")
     assert iterate.run(request).document.believed.friction == 0.38
 
 

@@ -27,20 +27,23 @@ def campaign_view(campaign: CampaignDocument, run: Run) -> list[RenderableType]:
     for row in campaign.rows:
         _add(table, row)
     pictures = [str(run.directory / name) for name in campaign.pictures]
-    return [heading(f"run {run.id}", campaign.experiment), table, "", verdict(campaign), *pictures]
+    return [heading(f"run {run.id}", campaign.experiment), table, "", *verdict(campaign), *pictures]
 
 
-def verdict(campaign: CampaignDocument) -> str:
-    """How it ended, in one sentence."""
-    last = campaign.rows[-1] if campaign.rows else None
+def verdict(campaign: CampaignDocument) -> list[str]:
+    """How it ended, in one sentence, and what to do now in another."""
     count = f"{len(campaign.rows)} {'trial' if len(campaign.rows) == 1 else 'trials'}"
-    if campaign.converged:
-        return f"converged: within tolerance after {count}"
-    if campaign.stopped_because is not None:
-        return f"stopped after {count}: {campaign.stopped_because}"
-    if last is not None and last.outcome == "lost":
-        return f"lost: the fingers did not hold the object to the end of trial {last.trial}"
-    return f"not converged: still out of tolerance after {count}"
+    said = {
+        "converged": f"converged: within tolerance after {count}",
+        "out of trials": f"not converged: still out of tolerance after {count}",
+        "no progress": f"no progress: stopped after {count}",
+        "lost": f"lost: the fingers did not hold the object to the end of trial {len(campaign.rows)}",
+        "no plan": f"no plan: stopped after {count}",
+    }[campaign.outcome]
+    lines = [said if campaign.stopped_because is None else f"{said}: {campaign.stopped_because}"]
+    if campaign.what_to_do is not None:
+        lines.append(f"what to do: {campaign.what_to_do}")
+    return lines
 
 
 def _add(table: Table, row: CampaignRow) -> None:
@@ -50,7 +53,7 @@ def _add(table: Table, row: CampaignRow) -> None:
     simulated = row.true_relative_pose is not None or row.true_friction is not None
     table.add_row(
         "",
-        "lost" if row.outcome == "lost" else "reached, estimated",
+        _reached(row),
         *_pose(reached.vector if reached else None, planned),
         *_error(row.error_m, row.error_rad),
         friction(row.estimated_friction),
@@ -68,6 +71,12 @@ def _add(table: Table, row: CampaignRow) -> None:
             "",
             end_section=True,
         )
+
+
+def _reached(row: CampaignRow) -> str:
+    if row.outcome == "lost":
+        return "lost"
+    return "reached, WORSE" if row.worse else "reached, estimated"
 
 
 def _pose(vector: Planar | None, planned: Planar) -> tuple[str, str, str]:

@@ -1,19 +1,33 @@
 """The documents of a run that was published before, shown as the stage that wrote them shows them."""
 
+from typing import TYPE_CHECKING, Any
+
 from rich.console import RenderableType
 
+from slidepipe.artifacts.arm_correction import ArmCorrectionDocument
 from slidepipe.artifacts.campaign import CampaignDocument
 from slidepipe.artifacts.estimate import EstimateDocument
+from slidepipe.artifacts.one_dof import OneDofPlan, OneDofTrials
 from slidepipe.artifacts.plan import PlanDocument
+from slidepipe.artifacts.repeat import RepeatDocument
 from slidepipe.artifacts.run import Run
 from slidepipe.artifacts.schema import Artifact, parse
 from slidepipe.artifacts.strict_yaml import load
+from slidepipe.artifacts.sweep import SweepDocument, SweepTrialDocument
 from slidepipe.artifacts.trial import TrialDocument, TruthDocument
+from slidepipe.artifacts.why import WhyDocument
 from slidepipe.cli.views.campaign import campaign_view
 from slidepipe.cli.views.estimate import estimate_view
+from slidepipe.cli.views.one_dof import one_dof_plan_view, one_dof_trials_view
 from slidepipe.cli.views.plan import plan_view
+from slidepipe.cli.views.repeat import repeat_view
+from slidepipe.cli.views.sweep import sweep_trial_view, sweep_view
 from slidepipe.cli.views.trial import trial_view
+from slidepipe.cli.views.why import arm_view, why_view
 from slidepipe.errors import InputError, NotFoundError, StoreError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 MODELS: dict[str, type[Artifact]] = {
     "plan.yaml": PlanDocument,
@@ -21,6 +35,13 @@ MODELS: dict[str, type[Artifact]] = {
     "truth.yaml": TruthDocument,
     "estimate.yaml": EstimateDocument,
     "campaign.yaml": CampaignDocument,
+    "why.yaml": WhyDocument,
+    "arm.yaml": ArmCorrectionDocument,
+    "repeat.yaml": RepeatDocument,
+    "sweep.yaml": SweepDocument,
+    "sweep_trial.yaml": SweepTrialDocument,
+    "one_dof_plan.yaml": OneDofPlan,
+    "one_dof_trials.yaml": OneDofTrials,
 }
 """What the stages write, by the name of the file."""
 
@@ -44,15 +65,19 @@ def read_documents(run: Run) -> dict[str, Artifact]:
 
 def stage_view(documents: dict[str, Artifact], run: Run, *, all_limits: bool) -> list[RenderableType]:
     """View of each document; nothing where the stage wrote none, as a failed one may."""
-    parts: list[RenderableType] = []
-    for document in documents.values():
-        if isinstance(document, PlanDocument):
-            parts += ["", *plan_view(document, run, all_limits=all_limits)]
-        elif isinstance(document, TrialDocument):
-            truth = documents.get("truth.yaml")
-            parts += ["", *trial_view(document, truth if isinstance(truth, TruthDocument) else None, run)]
-        elif isinstance(document, EstimateDocument):
-            parts += ["", *estimate_view(document, run)]
-        elif isinstance(document, CampaignDocument):
-            parts += ["", *campaign_view(document, run)]
-    return parts
+    truth = documents.get("truth.yaml")
+    views: dict[type[Artifact], Callable[[Any], list[RenderableType]]] = {
+        PlanDocument: lambda one: plan_view(one, run, all_limits=all_limits),
+        TrialDocument: lambda one: trial_view(one, truth if isinstance(truth, TruthDocument) else None, run),
+        EstimateDocument: lambda one: estimate_view(one, run),
+        CampaignDocument: lambda one: campaign_view(one, run),
+        RepeatDocument: lambda one: repeat_view(one, run),
+        SweepDocument: lambda one: sweep_view(one, run),
+        SweepTrialDocument: sweep_trial_view,
+        WhyDocument: why_view,
+        ArmCorrectionDocument: arm_view,
+        OneDofPlan: lambda one: one_dof_plan_view(one, run),
+        OneDofTrials: lambda one: one_dof_trials_view(one, run),
+    }
+    shown = [views[type(document)](document) for document in documents.values() if type(document) in views]
+    return [part for view in shown for part in ("", *view)]
