@@ -114,7 +114,7 @@ class Search:
 
     def found(self, choice: FloatArray, *, simulated: float) -> Found:
         """A choice with its figures."""
-        return Found(np.array(choice), self._assess(np.atleast_2d(choice), simulated)[0], self.limits)
+        return Found(np.array(choice), self.assess(np.atleast_2d(choice), simulated)[0], self.limits)
 
     def course(self, found: Found) -> Course:
         """The course that a choice stands for."""
@@ -133,7 +133,7 @@ class Search:
 
     def _loosened(self, population: FloatArray) -> FloatArray:
         """A population that has converged, spread again but for its best few."""
-        low, high = self._bounds()
+        low, high = self.bounds
         random = np.random.default_rng(SEED).normal(size=population.shape) * LOOSE * (high - low)
         random[:KEPT] = 0.0
         return np.clip(population + random, low, high)
@@ -142,13 +142,13 @@ class Search:
         """A population that fills the bounds evenly."""
         from scipy.stats import qmc  # noqa: PLC0415  # slow to import, and only here
 
-        low, high = self._bounds()
+        low, high = self.bounds
         return np.asarray(qmc.scale(qmc.Sobol(len(low), rng=SEED).random(ROUGH_SIZE), low, high))
 
     def _evolve(self, start: FloatArray, rounds: int, *, simulated: float) -> _Evolved:
-        low, high = self._bounds()
+        low, high = self.bounds
         result = differential_evolution(
-            lambda x: self._assess(x.T, simulated)[:, kernel.COST],
+            lambda x: self.assess(x.T, simulated)[:, kernel.COST],
             list(zip(low, high, strict=True)),
             vectorized=True,
             updating="deferred",
@@ -163,7 +163,8 @@ class Search:
         order = np.argsort(result.population_energies)
         return _Evolved(result.population[order], float(result.fun))
 
-    def _assess(self, choices: FloatArray, simulated: float) -> FloatArray:
+    def assess(self, choices: FloatArray, simulated: float = 0.0) -> FloatArray:
+        """Figures (S, FIGURES) of choices (S, CHOICES)."""
         choices, grid = np.ascontiguousarray(choices), nodes(COARSE)
         figures, wish = np.empty((len(choices), kernel.FIGURES)), self._wish.copy()
         wish[kernel.SIMULATED] = simulated
@@ -173,7 +174,9 @@ class Search:
         )  # fmt: skip
         return figures
 
-    def _bounds(self) -> tuple[FloatArray, FloatArray]:
+    @property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Least and largest choice, (CHOICES,) each."""
         angle, turn = float(self.task.q_o_start[2]), self.wish.turn_rad
         low, high = self.wish.force_range
         stick, slide, brake, force = np.log(STICK_S), np.log(SLIDE_S), np.log(BRAKE_SHARE), np.log([low, high])
