@@ -10,8 +10,10 @@ import numpy as np
 from slidepipe.errors import InputError
 from slidepipe.mechanics import stepping_kernel
 from slidepipe.mechanics.dynamics import Block
+from slidepipe.mechanics.grasp import Shapes
 from slidepipe.mechanics.limit_surface import SoftFinger
 from slidepipe.mechanics.parameters import ParameterSets
+from slidepipe.mechanics.pressure_patch import PressurePatch
 from slidepipe.series import FloatArray
 
 UNSETTLED = 1e-6
@@ -22,7 +24,7 @@ UNSETTLED = 1e-6
 class PlacedFinger:
     """One finger of the hand: its contact, and its place (2,) in the hand's frame {f}, m."""
 
-    finger: SoftFinger
+    finger: SoftFinger | PressurePatch
     place: FloatArray
 
 
@@ -76,9 +78,9 @@ def step_through(
     start = np.array(r_f_b, dtype=float)
     if start.shape != (3,) or not np.all(np.isfinite(start)):
         raise InputError(f"stepping: r_f_b must be three finite numbers, got {start!r}")
-    path, v = np.empty((len(time_s), 3)), np.zeros(3)
+    path, v, shapes = np.empty((len(time_s), 3)), np.zeros(3), Shapes.among([placed.finger for placed in fingers])
     slid, residual = stepping_kernel.run_samples(
-        time_s, q_f, block.m, block.inertia, _contacts(fingers), start, v, path
+        time_s, q_f, block.m, block.inertia, _contacts(fingers), shapes.of, shapes.curves, start, v, path
     )
     if residual > UNSETTLED:
         raise InputError(
@@ -95,7 +97,9 @@ def step_many(time_s: FloatArray, q_f: FloatArray, sets: ParameterSets) -> Float
     contacts = np.zeros((len(sets.bodies), 1, 4))
     contacts[:, 0, :2] = sets.bodies[:, 2:4]
     bodies = np.ascontiguousarray(sets.bodies[:, [0, 1, 4]])
-    stepping_kernel.run_samples_batch(time_s, q_f, bodies, contacts, r, v)
+    curves = np.empty((0, 2, 3)) if sets.curve is None else sets.curve[None]
+    shapes = np.array([-1 if sets.curve is None else 0])
+    stepping_kernel.run_samples_batch(time_s, q_f, bodies, contacts, shapes, curves, r, v)
     return r
 
 
