@@ -34,7 +34,7 @@ def force_of(shape, curves, inverse_m, inverse_i, force, rho, r_x, r_y, b_x, b_y
 
 
 @njit(**FAST)
-def step_one(h, inverse_m, inverse_i, contact, shape, curves, q_f, moved, r, v, k):
+def step_one(h, inverse_m, inverse_i, contact, curve, q_f, moved, r, v, k):
     """One step with one contact at the origin of {f}; ``moved`` is the hand's velocity. Returns k, zero if it stuck."""
     theta = q_f[2] - r[2]
     c, s = np.cos(theta), np.sin(theta)
@@ -44,7 +44,7 @@ def step_one(h, inverse_m, inverse_i, contact, shape, curves, q_f, moved, r, v, 
     b_y = moved[1] - v[1] - v[2] * r_x
     b_w = moved[2] - v[2]
     h_m, h_i = h * inverse_m, h * inverse_i
-    f_x, f_y, m_z, k = force_of(shape, curves, h_m, h_i, contact[0], contact[1], r_x, r_y, b_x, b_y, b_w, k)
+    f_x, f_y, m_z, k = contact_force(curve, h_m, h_i, contact[0], contact[1], r_x, r_y, b_x, b_y, b_w, k)
     v[0] += h_m * f_x
     v[1] += h_m * f_y
     v[2] += h_i * (m_z + r_x * f_y - r_y * f_x)
@@ -210,12 +210,33 @@ def step_many(h, inverse_m, inverse_i, contacts, shapes, curves, q_f, moved, r, 
 
 
 @njit(**FAST)
+def run_lone(time_s, q_f, m, inertia, contact, curve, r, v, path):
+    """:func:`run_samples` for one contact at the origin of {f}; ``curve`` tells its surface, None an ellipsoid."""
+    moved, k, slid = np.empty(3), 0.0, 0
+    inverse_m, inverse_i = 1.0 / m, 1.0 / inertia
+    if len(path):
+        path[0] = r
+    for step in range(len(time_s) - 1):
+        h = time_s[step + 1] - time_s[step]
+        rate = 1.0 / h
+        for axis in range(3):
+            moved[axis] = (q_f[step + 1, axis] - q_f[step, axis]) * rate
+        r_0, r_1, r_2 = r[0], r[1], r[2]
+        k = step_one(h, inverse_m, inverse_i, contact, curve, q_f[step], moved, r, v, k)
+        slid += r_0 != r[0] or r_1 != r[1] or r_2 != r[2]
+        if len(path):
+            for axis in range(3):
+                path[step + 1, axis] = r[axis]
+    return slid, 0.0
+
+
+@njit(**FAST)
 def run_samples(time_s, q_f, m, inertia, contacts, shapes, curves, r, v, path):
     """Step through the samples of a hand, (T,) and (T, 3); ``path`` (T, 3) receives r_f_b, or is empty.
 
     Returns (steps that slid, largest residual of the sweeps).
     """
-    moved, hand, k, slid, residual = np.empty(3), np.empty(3), 0.0, 0, 0.0
+    moved, hand, slid, residual = np.empty(3), np.empty(3), 0, 0.0
     offsets, forces = np.empty((len(contacts), 4)), np.zeros((len(contacts), 3))
     inverse_m, inverse_i = 1.0 / m, 1.0 / inertia
     if len(path):
@@ -226,13 +247,10 @@ def run_samples(time_s, q_f, m, inertia, contacts, shapes, curves, r, v, path):
         for axis in range(3):
             moved[axis] = (q_f[step + 1, axis] - q_f[step, axis]) * rate
         r_0, r_1, r_2 = r[0], r[1], r[2]
-        if len(contacts) == 1 and contacts[0, 2] == 0.0 and contacts[0, 3] == 0.0:
-            k = step_one(h, inverse_m, inverse_i, contacts[0], shapes[0], curves, q_f[step], moved, r, v, k)
-        else:
-            apart = step_many(
-                h, inverse_m, inverse_i, contacts, shapes, curves, q_f[step], moved, r, v, offsets, forces, hand
-            )
-            residual = max(residual, apart)
+        apart = step_many(
+            h, inverse_m, inverse_i, contacts, shapes, curves, q_f[step], moved, r, v, offsets, forces, hand
+        )
+        residual = max(residual, apart)
         slid += r_0 != r[0] or r_1 != r[1] or r_2 != r[2]
         if len(path):
             for axis in range(3):
@@ -241,9 +259,9 @@ def run_samples(time_s, q_f, m, inertia, contacts, shapes, curves, r, v, path):
 
 
 @njit(parallel=True, **FAST)
-def run_samples_batch(time_s, q_f, bodies, contacts, shapes, curves, r, v):
-    """Many parameter sets on all cores: ``bodies`` (N, 3) m, I, hand scale; ``contacts`` (N, n, 4); r and v (N, 3)."""
+def run_lone_batch(time_s, q_f, bodies, contacts, curve, r, v):
+    """Many parameter sets on all cores: ``bodies`` (N, 3) m, I, hand scale; ``contacts`` (N, 2); r and v (N, 3)."""
     for trial in prange(len(bodies)):
         scaled = q_f[0] + bodies[trial, 2] * (q_f - q_f[0])
         m, inertia, path = bodies[trial, 0], bodies[trial, 1], np.empty((0, 3))
-        run_samples(time_s, scaled, m, inertia, contacts[trial], shapes, curves, r[trial], v[trial], path)
+        run_lone(time_s, scaled, m, inertia, contacts[trial], curve, r[trial], v[trial], path)
