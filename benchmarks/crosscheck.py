@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from support.motions import Case, linear, random_case, rotational
+from support.plain_python import PlainTrial
 
 from slidepipe.lab.grip_model import FINGER_MASS_KG, ContactSettings
 from slidepipe.lab.planar_rig import REST_S, planar_rig, run_rig
@@ -25,8 +26,8 @@ SLID_M = 1e-3
 MARGIN_M = 1e-3
 """What a random motion must slide at least, and how far inside the face its fingers must stay."""
 WORST = 5
-FINER = 2.5
-"""How much shorter MuJoCo's step is when a difference is explained."""
+FINER = (1.0, 2.5, 5.0)
+"""How much shorter MuJoCo's steps are when a difference is explained."""
 NUDGE = 1e-3
 """Share of the friction by which the sensitivity is taken."""
 
@@ -138,19 +139,43 @@ def _print_spread(found: list[Difference]) -> None:
 
 
 def _print_worst(found: list[Difference], contact: ContactSettings) -> None:
-    """The worst, with what tells why: MuJoCo at finer steps and extrapolated to none, and what friction does."""
-    finer = ContactSettings(contact.timestep_s / FINER, contact.solref_s / FINER, contact.impratio)
+    """The worst, with what tells why: MuJoCo at finer steps, what a little friction does, and how sure ours is."""
+    steps = " |".join(f"{'at ' + format(contact.timestep_s / finer, 'g') + ' s':>18s}" for finer in FINER)
     print(
-        f"\nthe worst, each mm and mrad: fingers | apart | at MuJoCo's timestep {finer.timestep_s:g} s "
-        f"| extrapolated to none | friction {100 * NUDGE:+g} % | slid"
+        f"\nthe worst, each mm and mrad; MuJoCo also with shorter steps and solref, extrapolated from the last two"
+        f"\n{'':12s}  n slides |{steps} |   extrapolated    |  friction {100 * NUDGE:+g} %   |   ours less check"
     )
     for one in sorted(found, key=lambda one: -one.position_mm)[:WORST]:
-        fine = _compare(one.case, finer)
-        limit = Difference(one.case, one.ours, (FINER * fine.apart - one.apart) / (FINER - 1.0))
-        nudged = Difference(one.case, one.ours, _ours(one.case.with_friction(1.0 + NUDGE)) - one.ours)
-        slid = Difference(one.case, one.ours, one.ours - one.case.r_f_b)
-        pairs = " |".join(f"{d.position_mm:9.4f} {d.angle_mrad:8.3f}" for d in (one, fine, limit, nudged, slid))
-        print(f"{one.case.name:12s} {len(one.case.fingers)} |{pairs}")
+        _explain(one, contact)
+
+
+def _explain(one: Difference, contact: ContactSettings) -> None:
+    case, finer = one.case, [one]
+    for share in FINER[1:]:
+        shorter = ContactSettings(contact.timestep_s / share, contact.solref_s / share, contact.impratio)
+        finer.append(Difference(case, one.ours, _theirs(case, shorter) - one.ours))
+    ratio = FINER[-1] / FINER[-2]
+    limit = Difference(case, one.ours, (ratio * finer[-1].apart - finer[-2].apart) / (ratio - 1.0))
+    nudged = Difference(case, one.ours, _ours(case.with_friction(1.0 + NUDGE)) - one.ours)
+    check = Difference(case, one.ours, one.ours - _checked(case))
+    pairs = " |".join(f"{d.position_mm:9.4f} {d.angle_mrad:8.3f}" for d in (*finer, limit, nudged, check))
+    print(f"{case.name:12s} {len(case.fingers):2d} {_slides(case):6d} |{pairs}")
+    order = np.log(one.position_mm / finer[-1].position_mm) / np.log(FINER[-1])
+    worth = 100 * NUDGE * one.position_mm / nudged.position_mm
+    print(f"{'':15s} closer with MuJoCo's step to the power {order:.2f}; worth {worth:.2g} % of friction")
+
+
+def _slides(case: Case) -> int:
+    """How many spells of sliding there are."""
+    moving = np.any(np.diff(_stepped(case, STEP_S), axis=0) != 0.0, axis=1).astype(int)
+    return int(np.sum(np.diff(moving, prepend=0) == 1))
+
+
+def _checked(case: Case) -> FloatArray:
+    """Our answer by other means: scipy's integration with events of a lone finger, or half the implicit steps."""
+    if case.lone is not None:
+        return PlainTrial(case, "DOP853", rtol=1e-9, stop_m_s=1e-7).run()
+    return 2.0 * _stepped(case, 0.5 * STEP_S)[-1] - _stepped(case, STEP_S)[-1]
 
 
 if __name__ == "__main__":

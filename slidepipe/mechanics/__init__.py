@@ -1,1 +1,5 @@
 """The paper's physics: pure functions and frozen dataclasses on SI arrays, in the paper's own symbols."""
+
+from slidepipe.mechanics.kernel_cache import keep_compiled_code
+
+keep_compiled_code()

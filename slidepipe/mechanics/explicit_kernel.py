@@ -4,6 +4,7 @@ import numpy as np
 from numba import njit
 from scipy.integrate import DOP853
 
+from slidepipe.mechanics.curve_kernel import support
 from slidepipe.mechanics.hand_kernel import FAST, hand_velocity, piece_of
 
 GRAVITY = 9.81
@@ -14,18 +15,27 @@ STABLE = 5.0
 
 
 @njit(**FAST)
-def slide_rate(breaks, coefficients, body, t, near, y, rate):
+def sliding_friction(curve, force, rho, d_x, d_y, d_w):
+    """Friction of a sliding velocity, eq. (14): of an ellipsoid if ``curve`` is None; zero where it does not slide."""
+    if d_x == 0.0 and d_y == 0.0 and d_w == 0.0:
+        return 0.0, 0.0, 0.0
+    if curve is None:
+        share = force / np.sqrt(d_x * d_x + d_y * d_y + rho * rho * d_w * d_w)
+        return share * d_x, share * d_y, share * rho * rho * d_w
+    _, g1, g2, g3 = support(curve, d_x, d_y, rho * d_w)
+    return force * g1, force * g2, force * rho * g3
+
+
+@njit(**FAST)
+def slide_rate(hand, body, t, near, y, rate):
     """Rate of the sliding state at a time in or after piece ``near``, eqs. (18) to (21)."""
-    h0, h1, h2 = hand_velocity(breaks, coefficients, body[4], t, near)
+    h0, h1, h2 = hand_velocity(hand[0], hand[1], body[4], t, near)
     c, s = np.cos(y[2]), np.sin(y[2])
     r_x, r_y = c * y[0] - s * y[1], s * y[0] + c * y[1]
     d_x = h0 - y[3] + y[5] * r_y
     d_y = h1 - y[4] - y[5] * r_x
     d_w = h2 - y[5]
-    rho = body[3]
-    speed = np.sqrt(d_x * d_x + d_y * d_y + rho * rho * d_w * d_w)
-    share = body[2] / speed if speed > 0.0 else 0.0
-    f_x, f_y, moment = share * d_x, share * d_y, share * rho * rho * d_w
+    f_x, f_y, moment = sliding_friction(body[7], body[2], body[3], d_x, d_y, d_w)
     rate[0] = c * d_x + s * d_y
     rate[1] = -s * d_x + c * d_y
     rate[2] = y[5]
@@ -42,17 +52,17 @@ def stable_step(body, y, speed):
 
 
 @njit(**FAST)
-def explicit_step(breaks, coefficients, body, tolerance, scales, t, y, h, work, new):
+def explicit_step(hand, body, tolerance, scales, t, y, h, work, new):
     """Step from y at t into ``new``; ``work[0]`` holds the rate at t, and the last row then that after the step.
 
     Returns the error over ``tolerance * scales``.
     """
-    near = piece_of(breaks, t)
+    near = piece_of(hand[0], t)
     for stage in range(1, STAGES):
         combine(A[stage], stage, y, h, work, new)
-        slide_rate(breaks, coefficients, body, t + C[stage] * h, near, new, work[stage])
+        slide_rate(hand, body, t + C[stage] * h, near, new, work[stage])
     combine(B, STAGES, y, h, work, new)
-    slide_rate(breaks, coefficients, body, t + h, near, new, work[STAGES])
+    slide_rate(hand, body, t + h, near, new, work[STAGES])
     five, three = 0.0, 0.0
     for i in range(6):
         e5, e3 = 0.0, 0.0

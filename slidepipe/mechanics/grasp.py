@@ -8,17 +8,44 @@ import numpy as np
 
 from slidepipe.errors import InputError
 from slidepipe.mechanics.dynamics import about_com
+from slidepipe.mechanics.norm_kernel import powers
+from slidepipe.mechanics.patch_curve import patch_curve
 from slidepipe.mechanics.planar import rotation
-from slidepipe.series import FloatArray
+from slidepipe.mechanics.pressure_patch import PressurePatch
+from slidepipe.series import FloatArray, IntArray
 
 
-class EllipsoidFinger(Protocol):
-    """A contact whose friction is an ellipsoid, eq. (10); the third semi-axis is zero for a point contact."""
+class Finger(Protocol):
+    """A contact's friction: an ellipsoid, eq. (10), unless it is a PressurePatch."""
 
     @property
     def semi_axes(self) -> FloatArray:
-        """(3,) s_1, s_2 = s_1 and s_3 in N, N and N m."""
+        """(3,) s_1, s_2 = s_1 and s_3 in N, N and N m; the third is zero for a point contact."""
         ...
+
+
+@dataclass(frozen=True, slots=True)
+class Shapes:
+    """Which contacts are no ellipsoids, for compiled kernels.
+
+    Attributes
+    ----------
+    of : (n,) int
+        Index of each contact's curve, -1 for an ellipsoid.
+    curves : (S, N + 1, 3)
+        See :mod:`slidepipe.mechanics.curve_kernel`.
+    """
+
+    of: IntArray
+    curves: FloatArray
+
+    @classmethod
+    def among(cls, fingers: Sequence[object]) -> "Shapes":
+        """Shapes of fingers of any kind; equal pressures share a curve."""
+        exponents = [finger.k if isinstance(finger, PressurePatch) else None for finger in fingers]
+        some = sorted({k for k in exponents if k is not None})
+        curves = np.stack([patch_curve(k) for k in some]) if some else np.empty((0, 2, 3))
+        return cls(np.array([-1 if k is None else some.index(k) for k in exponents]), curves)
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,13 +54,13 @@ class Contact:
 
     Attributes
     ----------
-    finger : EllipsoidFinger
-        Such as :class:`~slidepipe.mechanics.limit_surface.SoftFinger`.
+    finger : Finger
+        A PointContact, a SoftFinger or a PressurePatch.
     r_f_b : (3,)
         Pose of the finger in {b}, m and rad.
     """
 
-    finger: EllipsoidFinger
+    finger: Finger
     r_f_b: FloatArray
 
     def __post_init__(self) -> None:
@@ -83,8 +110,13 @@ class Grasp:
 
     @property
     def semi_axes(self) -> FloatArray:
-        """(n, 3) semi-axes of the fingers' ellipsoids."""
+        """(n, 3) semi-axes of the fingers' ellipsoids; the largest forces and moments of pressure patches."""
         return np.stack([np.asarray(contact.finger.semi_axes, dtype=float) for contact in self.contacts])
+
+    @property
+    def shapes(self) -> Shapes:
+        """Which contacts are pressure patches."""
+        return Shapes.among([contact.finger for contact in self.contacts])
 
     def with_normal_forces(self, f_N: FloatArray) -> "Grasp":
         """The same grasp with normal forces ``f_N`` (n,), N: one sample of f_Ni(t)."""
@@ -118,9 +150,13 @@ class Grasp:
     def support(self, dv_b: FloatArray) -> FloatArray:
         """Support function of the grasp limit surface of eq. (16): the most power, W, that friction takes at ``dv_b``.
 
-        The largest ``w . dv_b`` of all wrenches w about the CoM that the contacts can apply: sum_i |S_i G_i^T dv_b|.
+        The largest ``w . dv_b`` of all wrenches w about the CoM that the contacts can apply: ``sum_i h_i(G_i^T dv_b)``,
+        with ``h_i = |S_i G_i^T dv_b|`` for an ellipsoid.
         """
-        return np.asarray(np.sum(np.linalg.norm(self.semi_axes * self.slip(dv_b), axis=-1), axis=-1))
+        z = self.semi_axes * self.slip(dv_b)
+        each, shapes = np.empty(z.shape[:-1]), self.shapes
+        powers(shapes.of, shapes.curves, z.reshape(-1, len(self), 3), each.reshape(-1, len(self)))
+        return np.asarray(np.sum(each, axis=-1))
 
 
 def carried(velocity: FloatArray, r_f: FloatArray) -> FloatArray:

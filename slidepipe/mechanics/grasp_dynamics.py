@@ -11,6 +11,7 @@ import numpy as np
 from slidepipe.errors import InputError
 from slidepipe.mechanics.dynamics import Block, about_com, finger_acceleration, finger_velocity
 from slidepipe.mechanics.grasp import Grasp, carried, finite, in_body, in_world
+from slidepipe.mechanics.norm_kernel import frictions
 from slidepipe.series import FloatArray
 
 
@@ -77,7 +78,7 @@ def forward_dynamics(
     r_b = _places(grasp, r_f_b)
     r_f = in_world(theta, r_b)
     dv = dq_f - carried(dq_o[..., None, :], r_f)
-    f = _friction(grasp.axes_over(f_N), dv)
+    f = _friction(grasp, grasp.axes_over(f_N), dv)
     ddq_o = (np.sum(about_com(f, r_f), axis=-2) + block.g) / block.M
     ddr_f, dr_f_b = ddq_f - ddq_o[..., None, :], in_body(theta, dv)
     ddr_f_b = _seen_from_body(theta, dq_o[..., 2], ddq_o[..., 2], r_b=r_b, dr_b=dr_f_b, ddr_f=ddr_f)
@@ -122,7 +123,7 @@ def inverse_dynamics(
     r_b, dr_b, ddr_b = _each(grasp, theta, dq_o, r_b=_places(grasp, r_f_b), relative=(dr_f_b, ddr_f_b))
     shape, lead = r_b.shape, r_b.shape[:-2]
     along = np.where(np.any(dr_b != 0.0, axis=-1, keepdims=True), dr_b, ddr_b)
-    f = in_world(theta, _friction(grasp.axes_over(f_N), along))
+    f = in_world(theta, _friction(grasp, grasp.axes_over(f_N), along))
     ddq_o = (np.sum(about_com(f, in_world(theta, r_b)), axis=-2) + block.g) / block.M
     theta, dq_o = np.broadcast_to(theta, lead), np.broadcast_to(dq_o, (*lead, 3))
     dq_f, ddq_f = np.empty(shape), np.empty(shape)
@@ -159,17 +160,18 @@ def _like(values: FloatArray, pattern: FloatArray) -> FloatArray:
     return np.broadcast_to(values, pattern.shape)
 
 
-def _friction(semi_axes: FloatArray, dv: FloatArray) -> FloatArray:
+def _friction(grasp: Grasp, semi_axes: FloatArray, dv: FloatArray) -> FloatArray:
     """Gamma of eq. (14) for every contact; an error where one does not slide."""
     scaled = semi_axes * dv
-    size = np.linalg.norm(scaled, axis=-1, keepdims=True)
-    still = np.argwhere(~(size[..., 0] > 0.0))
+    still = np.argwhere(~np.any(scaled != 0.0, axis=-1))
     if len(still):
         raise InputError(
             f"sliding: finger {int(still[0][-1])} does not slide: eq. (21) needs the sliding velocity of every finger; "
             "slip.friction_step allows some to stick"
         )
-    return np.asarray(semi_axes * scaled / size)
+    share, shapes, n = np.empty(scaled.shape), grasp.shapes, len(grasp)
+    frictions(shapes.of, shapes.curves, scaled.reshape(-1, n, 3), share.reshape(-1, n, 3))
+    return np.asarray(semi_axes * share)
 
 
 def _seen_from_body(

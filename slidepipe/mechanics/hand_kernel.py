@@ -23,22 +23,24 @@ def piece_of(breaks, t):
 
 
 @njit(**FAST)
-def hand_at(breaks, coefficients, scale, t):
-    """Velocity and acceleration of the hand at t: (v_x, v_y, omega, a_x, a_y, alpha)."""
+def hand_at(breaks, coefficients, scale, t, piece):
+    """Angle, velocity and acceleration of the hand at a time in a piece: (theta, v_x, v_y, omega, a_x, a_y, alpha)."""
     last = len(breaks) - 1
     if t < breaks[0] or t >= breaks[last]:
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    low = piece_of(breaks, t)
-    s = t - breaks[low]
-    d = coefficients.shape[1] - 1
-    v0, v1, v2 = d * coefficients[low, d, 0], d * coefficients[low, d, 1], d * coefficients[low, d, 2]
-    a0, a1, a2 = (d - 1) * v0, (d - 1) * v1, (d - 1) * v2
-    for d in range(coefficients.shape[1] - 2, 0, -1):
-        w0, w1, w2 = d * coefficients[low, d, 0], d * coefficients[low, d, 1], d * coefficients[low, d, 2]
-        v0, v1, v2 = v0 * s + w0, v1 * s + w1, v2 * s + w2
-        if d > 1:
-            a0, a1, a2 = a0 * s + (d - 1) * w0, a1 * s + (d - 1) * w1, a2 * s + (d - 1) * w2
-    return scale * v0, scale * v1, scale * v2, scale * a0, scale * a1, scale * a2
+        return angle_at(breaks, coefficients, scale, t), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    s, d = t - breaks[piece], coefficients.shape[1] - 1
+    q0, q1, q2 = coefficients[piece, d, 0], coefficients[piece, d, 1], coefficients[piece, d, 2]
+    v0, v1, v2, a0, a1, a2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for d in range(coefficients.shape[1] - 2, -1, -1):
+        a0, a1, a2 = a0 * s + v0, a1 * s + v1, a2 * s + v2
+        v0, v1, v2 = v0 * s + q0, v1 * s + q1, v2 * s + q2
+        q0, q1, q2 = (
+            q0 * s + coefficients[piece, d, 0],
+            q1 * s + coefficients[piece, d, 1],
+            q2 * s + coefficients[piece, d, 2],
+        )
+    start, twice = coefficients[0, 0, 2], 2.0 * scale
+    return start + scale * (q2 - start), scale * v0, scale * v1, scale * v2, twice * a0, twice * a1, twice * a2
 
 
 @njit(**FAST)
@@ -50,14 +52,17 @@ def hand_velocity(breaks, coefficients, scale, t, near):
     low = near
     while breaks[low + 1] <= t:
         low += 1
-    s = t - breaks[low]
-    d = coefficients.shape[1] - 1
-    v0, v1, v2 = d * coefficients[low, d, 0], d * coefficients[low, d, 1], d * coefficients[low, d, 2]
+    s, d = t - breaks[low], coefficients.shape[1] - 1
+    q0, q1, q2 = coefficients[low, d, 0], coefficients[low, d, 1], coefficients[low, d, 2]
+    v0, v1, v2 = 0.0, 0.0, 0.0
     for d in range(coefficients.shape[1] - 2, 0, -1):
-        v0 = v0 * s + d * coefficients[low, d, 0]
-        v1 = v1 * s + d * coefficients[low, d, 1]
-        v2 = v2 * s + d * coefficients[low, d, 2]
-    return scale * v0, scale * v1, scale * v2
+        v0, v1, v2 = v0 * s + q0, v1 * s + q1, v2 * s + q2
+        q0, q1, q2 = (
+            q0 * s + coefficients[low, d, 0],
+            q1 * s + coefficients[low, d, 1],
+            q2 * s + coefficients[low, d, 2],
+        )
+    return scale * (v0 * s + q0), scale * (v1 * s + q1), scale * (v2 * s + q2)
 
 
 @njit(**FAST)

@@ -4,7 +4,7 @@
 import numpy as np
 from numba import njit
 
-from slidepipe.mechanics.norm_kernel import smallest_sum
+from slidepipe.mechanics.norm_kernel import power, share_used, smallest_sum
 
 NO_RANK = 1e-12
 """Share of its largest friction below which a grasp is taken to have none in a direction."""
@@ -15,11 +15,11 @@ NO_LEVER = 1e-12
 
 
 @njit(cache=True, error_model="numpy")
-def many_loads(r, s, w, loads):
+def many_loads(r, s, shapes, curves, w, loads):
     """Fill ``loads`` (T,) row by row."""
     forces, direction = np.empty((r.shape[1], 3)), np.empty(3)
     for row in range(len(w)):
-        loads[row] = certified_load(r[row], s[row], w[row], forces, direction)[0]
+        loads[row] = certified_load(r[row], s[row], shapes, curves, w[row], forces, direction)[0]
 
 
 @njit(cache=True, error_model="numpy")
@@ -53,8 +53,11 @@ def across(w):
 
 
 @njit(cache=True, error_model="numpy")
-def certified_load(r, s, w, forces, direction):
-    """Load and its lower bound; fills ``forces`` (n, 3) and ``direction`` (3,). ``r``, ``s`` are (n, 3), ``w`` (3,)."""
+def certified_load(r, s, shapes, curves, w, forces, direction):
+    """Load and its lower bound; fills ``forces`` (n, 3) and ``direction`` (3,). ``r``, ``s`` are (n, 3), ``w`` (3,).
+
+    ``shapes`` and ``curves`` are those of :mod:`slidepipe.mechanics.norm_kernel`.
+    """
     n = len(r)
     forces[:], direction[:] = 0.0, 0.0
     if not np.any(w != 0.0):
@@ -78,7 +81,7 @@ def certified_load(r, s, w, forces, direction):
     start = goal / np.sum(goal**2)
     x, g = np.empty(rank - 1), np.empty((n, 3))
     blocks = np.ascontiguousarray(columns.T)
-    smallest_sum(0.0, (blocks @ N).reshape(n, 3, rank - 1), (blocks @ start).reshape(n, 3), x, g)
+    smallest_sum(0.0, (blocks @ N).reshape(n, 3, rank - 1), (blocks @ start).reshape(n, 3), x, g, shapes, curves)
     # The forces add up to the wrench exactly; the largest of them is the load.
     given = columns @ g.reshape(3 * n)
     share = np.sum(goal * given) / np.sum(goal**2)
@@ -86,5 +89,9 @@ def certified_load(r, s, w, forces, direction):
     forces[:] = s * g / share
     direction[:] = units * (white.T @ (start + N @ x))
     moved = (np.ascontiguousarray(K.T) @ direction).reshape(n, 3)
-    direction /= np.sum(np.sqrt(np.sum(moved**2, axis=1)))
-    return np.sqrt(np.max(np.sum(g**2, axis=1))) / share, np.sum(w * direction)
+    most, used = 0.0, 0.0
+    for i in range(n):
+        most += power(shapes[i], curves, moved[i, 0], moved[i, 1], moved[i, 2])
+        used = max(used, share_used(shapes[i], curves, g[i, 0], g[i, 1], g[i, 2]))
+    direction /= most
+    return used / share, np.sum(w * direction)

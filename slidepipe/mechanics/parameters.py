@@ -7,6 +7,8 @@ import numpy as np
 from slidepipe.errors import InputError
 from slidepipe.mechanics.dynamics import Block
 from slidepipe.mechanics.limit_surface import SoftFinger
+from slidepipe.mechanics.patch_curve import patch_curve
+from slidepipe.mechanics.pressure_patch import PressurePatch
 from slidepipe.series import FloatArray
 
 
@@ -20,16 +22,19 @@ class ParameterSets:
         m, I, mu f_N, c a, scale of the hand's motion about its start, half length, half width: SI units.
     r_f_b : (N, 3)
         Relative pose of the finger in {b} at the start.
+    curve : (K, 3), optional
+        The surface of a pressure patch, as compiled kernels read it; None for a soft finger.
     """
 
     bodies: FloatArray
     r_f_b: FloatArray
+    curve: FloatArray | None = None
 
     @classmethod
     def of(
         cls,
         block: Block,
-        finger: SoftFinger,
+        finger: SoftFinger | PressurePatch,
         r_f_b: FloatArray,
         *,
         mu: FloatArray | float | None = None,
@@ -74,14 +79,19 @@ class ParameterSets:
         if len(sizes) > 1:
             raise InputError(f"parameter sets: all must have the same number of trials, got {sorted(sizes)}")
         count = sizes.pop() if sizes else 1
-        return cls(_bodies(block, finger, columns, count), np.broadcast_to(start, (count, 3)).copy())
+        return cls(_bodies(block, finger, columns, count), np.broadcast_to(start, (count, 3)).copy(), curve_of(finger))
 
     def __post_init__(self) -> None:
         if np.any(np.abs(self.r_f_b[:, :2]) > self.bodies[:, 5:7]):
             raise InputError("parameter sets: r_f_b must begin on the object's face")
 
 
-def _bodies(block: Block, finger: SoftFinger, columns: dict[str, FloatArray], count: int) -> FloatArray:
+def curve_of(finger: SoftFinger | PressurePatch) -> FloatArray | None:
+    """The surface that compiled kernels read for a finger; None for an ellipsoid."""
+    return patch_curve(finger.k) if isinstance(finger, PressurePatch) else None
+
+
+def _bodies(block: Block, finger: SoftFinger | PressurePatch, columns: dict[str, FloatArray], count: int) -> FloatArray:
     bodies = np.empty((count, 7))
     bodies[:, 0] = columns["m"]
     bodies[:, 1] = block.inertia / block.m * columns["m"]

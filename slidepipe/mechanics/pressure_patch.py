@@ -70,6 +70,11 @@ class PressurePatch:
         """Constant of the largest moment, :func:`torsion_constant`."""
         return torsion_constant(self.k)
 
+    @property
+    def semi_axes(self) -> FloatArray:
+        """(3,) largest forces and moment, N and N m: those of :meth:`ellipsoid`."""
+        return self.ellipsoid().semi_axes
+
     def ellipsoid(self) -> SoftFinger:
         """The soft finger of eq. (10) with the same largest force and moment; it contains this surface."""
         return SoftFinger(self.mu, self.f_N, self.a, self.c)

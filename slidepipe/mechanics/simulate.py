@@ -13,15 +13,18 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from slidepipe.errors import InputError
-from slidepipe.mechanics import event_kernel
+from slidepipe.mechanics import event_kernel, slide_kernel
 from slidepipe.mechanics.dynamics import Block
 from slidepipe.mechanics.hand_motion import HandMotion
 from slidepipe.mechanics.limit_surface import SoftFinger
-from slidepipe.mechanics.parameters import ParameterSets
+from slidepipe.mechanics.parameters import ParameterSets, curve_of
+from slidepipe.mechanics.pressure_patch import PressurePatch
 from slidepipe.series import FloatArray, IntArray
 
 TOLERANCE = 1e-9
 """Error of a step in the place of the contact, m."""
+FEW = 128
+"""Knots for which there is room at first."""
 REST_S = 0.5
 """How long a trial goes on after the hand has come to rest."""
 
@@ -29,14 +32,17 @@ REST_S = 0.5
 class Ended(IntEnum):
     """How a trial ended."""
 
-    STUCK = event_kernel.STUCK
+    STUCK = slide_kernel.STUCK
     """The object sticks to the finger."""
-    SLIDING = event_kernel.SLIDING
+    SLIDING = slide_kernel.SLIDING
     """It still slides."""
-    LEFT = event_kernel.LEFT
+    LEFT = slide_kernel.LEFT
     """The contact slid beyond the object's face: it is thrown."""
-    FAILED = event_kernel.FAILED
+    FAILED = slide_kernel.FAILED
     """A step could not be taken; nothing is known beyond it."""
+
+
+ENDS = tuple(Ended)
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +84,7 @@ class Outcomes:
 def simulate(
     hand: HandMotion,
     block: Block,
-    finger: SoftFinger,
+    finger: SoftFinger | PressurePatch,
     r_f_b: FloatArray,
     *,
     tolerance: float = TOLERANCE,
@@ -89,7 +95,7 @@ def simulate(
     Parameters
     ----------
     hand : HandMotion
-    block, finger : Block, SoftFinger
+    block, finger : Block, and SoftFinger or PressurePatch
     r_f_b : (3,)
         m and rad.
     tolerance : float
@@ -102,26 +108,24 @@ def simulate(
     InputError
         A value that is not finite, or a contact that begins beyond the object's face.
     """
-    r, out, path = _start(block, r_f_b), np.empty(5), np.empty((event_kernel.MOST_STEPS, 7))
-    half_sides = (block.length / 2, block.width / 2)
-    body = np.array([block.m, block.inertia, finger.mu * finger.f_N, finger.c * finger.a, 1.0, *half_sides])
-    end = _end(hand) if until_s is None else until_s
-    event_kernel.run_trial(hand.breaks, hand.coefficients, hand.jumps, body, _checked(tolerance), end, r, path, out)
-    return Outcome(
-        r_f_b=r,
-        ended=Ended(int(out[0])),
-        slides=int(out[1]),
-        slide_start_s=float(out[2]),
-        slide_stop_s=float(out[3]),
-        knots=path[: int(out[4])].copy(),
-    )
+    tolerance, rest_s = _checked(tolerance), REST_S if until_s is None else until_s - float(hand.breaks[-1])
+    for room in (FEW, slide_kernel.MOST_STEPS + 1):
+        r, path = _start(block, r_f_b), np.empty((room, 7))
+        ended, slides, start_s, stop_s, knots = event_kernel.run_trial(
+            hand.breaks, hand.coefficients, hand.jumps, curve_of(finger),
+            block.m, block.inertia, finger.mu * finger.f_N, finger.c * finger.a, block.length, block.width,
+            tolerance, rest_s, r, path,
+        )  # fmt: skip
+        if knots < room:
+            break
+    return Outcome(r, ENDS[ended], slides, start_s, stop_s, path[:knots].copy())
 
 
 def simulate_many(hand: HandMotion, sets: ParameterSets, *, tolerance: float = TOLERANCE) -> Outcomes:
     """Simulate a trial for each parameter set, on all cores."""
     r, out = sets.r_f_b.copy(), np.empty((len(sets.bodies), 5))
     event_kernel.run_batch(
-        hand.breaks, hand.coefficients, hand.jumps, sets.bodies, _checked(tolerance), _end(hand), r, out
+        hand.breaks, hand.coefficients, hand.jumps, sets.curve, sets.bodies, _checked(tolerance), REST_S, r, out
     )
     return Outcomes(
         r_f_b=r,
@@ -146,15 +150,14 @@ def relative_motion(outcome: Outcome, r_f_b: FloatArray, time_s: FloatArray) -> 
 
 def _start(block: Block, r_f_b: FloatArray) -> FloatArray:
     r = np.array(r_f_b, dtype=float)
-    if r.shape != (3,) or not all(map(isfinite, r)):
+    if r.shape != (3,):
         raise InputError(f"simulation: r_f_b must be three finite numbers, got {r_f_b!r}")
-    if abs(r[0]) > block.length / 2 or abs(r[1]) > block.width / 2:
+    x, y, theta = r.tolist()
+    if not isfinite(x + y + theta):
+        raise InputError(f"simulation: r_f_b must be three finite numbers, got {r_f_b!r}")
+    if abs(x) > 0.5 * block.length or abs(y) > 0.5 * block.width:
         raise InputError(f"simulation: r_f_b must begin on the object's face, got {r_f_b!r}")
     return r
-
-
-def _end(hand: HandMotion) -> float:
-    return float(hand.breaks[-1]) + REST_S
 
 
 def _checked(tolerance: float) -> float:

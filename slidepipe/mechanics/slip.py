@@ -117,7 +117,7 @@ def onset(block: Block, grasp: Grasp, theta: float, ddq_h: FloatArray) -> Onset:
     """
     wanted = single("onset: ddq_h", ddq_h, (3,))
     r_f = in_world(single("onset: theta", theta, ()), grasp.r_f_b)
-    f, ddq_o, ddv, stuck, residual = _solve(block.M, grasp.semi_axes, r_f, block.g / block.M, carried(wanted, r_f))
+    f, ddq_o, ddv, stuck, residual = _solve(block.M, grasp, r_f, block.g / block.M, carried(wanted, r_f))
     ddr = np.zeros(3) if np.all(stuck) else wanted - ddq_o
     return Onset(f, ddq_o, ddr, ddv, stuck, residual)
 
@@ -141,25 +141,26 @@ def friction_step(
     free = single("friction step: dq_o", dq_o, (3,)) + h * block.g / block.M
     dq_f = single("friction step: dq_f", dq_f, (len(grasp), 3))
     r_f = in_world(single("friction step: theta", theta, ()), grasp.r_f_b)
-    f, dq_o, dv, stuck, residual = _solve(block.M / h, grasp.semi_axes, r_f, free, dq_f)
+    f, dq_o, dv, stuck, residual = _solve(block.M / h, grasp, r_f, free, dq_f)
     return FrictionStep(dq_o, f, dv, stuck, residual)
 
 
 def _solve(
-    M: FloatArray, s: FloatArray, r_f: FloatArray, free: FloatArray, wanted: FloatArray
+    M: FloatArray, grasp: Grasp, r_f: FloatArray, free: FloatArray, wanted: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray, float]:
     """Friction, the object's motion, the slip at the contacts, who sticks, and the residual.
 
     ``free`` (3,) is the motion without friction and ``wanted`` (n, 3) that of the fingers at their contacts.
     """
+    s, shapes = grasp.semi_axes, grasp.shapes
     forces = np.empty((len(s), 3))
     together = carried(wanted[0], -r_f[0])
     if np.max(np.abs(carried(together, r_f) - wanted)) <= ONE_BODY * np.max(np.abs(wanted)):
-        load, _bound = certified_load(r_f, s, M * (together - free), forces, np.empty(3))
+        load, _bound = certified_load(r_f, s, shapes.of, shapes.curves, M * (together - free), forces, np.empty(3))
         if load <= 1.0:
             return forces, together, np.zeros((len(s), 3)), np.ones(len(s), dtype=bool), 0.0
     motion, slip = np.empty(3), np.empty((len(s), 3))
-    residual, size = grasp_friction(M, s, r_f, free, wanted, forces, motion, slip)
+    residual, size = grasp_friction(M, s, shapes.of, shapes.curves, r_f, free, wanted, forces, motion, slip)
     stuck = np.linalg.norm(s * slip, axis=1) <= STUCK * size
     slip[stuck] = 0.0
     return forces, motion, slip, stuck, float(residual)

@@ -10,8 +10,10 @@ import numpy as np
 from slidepipe.errors import InputError
 from slidepipe.mechanics import stepping_kernel
 from slidepipe.mechanics.dynamics import Block
+from slidepipe.mechanics.grasp import Shapes
 from slidepipe.mechanics.limit_surface import SoftFinger
-from slidepipe.mechanics.parameters import ParameterSets
+from slidepipe.mechanics.parameters import ParameterSets, curve_of
+from slidepipe.mechanics.pressure_patch import PressurePatch
 from slidepipe.series import FloatArray
 
 UNSETTLED = 1e-6
@@ -22,7 +24,7 @@ UNSETTLED = 1e-6
 class PlacedFinger:
     """One finger of the hand: its contact, and its place (2,) in the hand's frame {f}, m."""
 
-    finger: SoftFinger
+    finger: SoftFinger | PressurePatch
     place: FloatArray
 
 
@@ -76,10 +78,16 @@ def step_through(
     start = np.array(r_f_b, dtype=float)
     if start.shape != (3,) or not np.all(np.isfinite(start)):
         raise InputError(f"stepping: r_f_b must be three finite numbers, got {start!r}")
-    path, v = np.empty((len(time_s), 3)), np.zeros(3)
-    slid, residual = stepping_kernel.run_samples(
-        time_s, q_f, block.m, block.inertia, _contacts(fingers), start, v, path
-    )
+    contacts, path, v = _contacts(fingers), np.empty((len(time_s), 3)), np.zeros(3)
+    if len(fingers) == 1 and not np.any(contacts[0, 2:]):
+        slid, residual = stepping_kernel.run_lone(
+            time_s, q_f, block.m, block.inertia, contacts[0], curve_of(fingers[0].finger), start, v, path
+        )
+    else:
+        shapes = Shapes.among([placed.finger for placed in fingers])
+        slid, residual = stepping_kernel.run_samples(
+            time_s, q_f, block.m, block.inertia, contacts, shapes.of, shapes.curves, start, v, path
+        )
     if residual > UNSETTLED:
         raise InputError(
             f"stepping: the contacts disagree by {residual:.1e} of a force, at most {UNSETTLED:g} is allowed: "
@@ -92,10 +100,8 @@ def step_many(time_s: FloatArray, q_f: FloatArray, sets: ParameterSets) -> Float
     """Last relative pose (N, 3) for each parameter set under one hand and one finger at its origin, on all cores."""
     time_s, q_f = _checked(time_s, q_f)
     r, v = sets.r_f_b.copy(), np.zeros_like(sets.r_f_b)
-    contacts = np.zeros((len(sets.bodies), 1, 4))
-    contacts[:, 0, :2] = sets.bodies[:, 2:4]
-    bodies = np.ascontiguousarray(sets.bodies[:, [0, 1, 4]])
-    stepping_kernel.run_samples_batch(time_s, q_f, bodies, contacts, r, v)
+    bodies, contacts = (np.ascontiguousarray(sets.bodies[:, columns]) for columns in ([0, 1, 4], [2, 3]))
+    stepping_kernel.run_lone_batch(time_s, q_f, bodies, contacts, sets.curve, r, v)
     return r
 
 

@@ -5,13 +5,16 @@ it either has the hand's velocity or slides along its own friction (see :mod:`sl
 contact is solved outright, several in turn until none changes; where that takes long, close to sticking, all at once
 (see :mod:`slidepipe.mechanics.norm_kernel`). The state is the relative pose r_f_b and the object's
 velocity: where every contact sticks, r_f_b stays the same to the last bit.
+
+``contacts`` (n, 4) holds mu f_N, c a, and the place of each in {f}; ``shapes`` and ``curves`` are those of
+:mod:`slidepipe.mechanics.norm_kernel`.
 """
 
 import numpy as np
 from numba import njit, prange
 
 from slidepipe.mechanics.contact_kernel import contact_force
-from slidepipe.mechanics.norm_kernel import smallest_sum
+from slidepipe.mechanics.norm_kernel import frictions, share_used, smallest_sum
 
 FAST = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "arcp", "nsz"}}
 GRAVITY = 9.81
@@ -23,7 +26,15 @@ STUCK = 1e-9
 
 
 @njit(**FAST)
-def step_one(h, inverse_m, inverse_i, contact, q_f, moved, r, v, k):
+def force_of(shape, curves, inverse_m, inverse_i, force, rho, r_x, r_y, b_x, b_y, b_w, k):
+    """:func:`contact_force` of a contact of any shape."""
+    if shape < 0:
+        return contact_force(None, inverse_m, inverse_i, force, rho, r_x, r_y, b_x, b_y, b_w, k)
+    return contact_force(curves[shape], inverse_m, inverse_i, force, rho, r_x, r_y, b_x, b_y, b_w, k)
+
+
+@njit(**FAST)
+def step_one(h, inverse_m, inverse_i, contact, curve, q_f, moved, r, v, k):
     """One step with one contact at the origin of {f}; ``moved`` is the hand's velocity. Returns k, zero if it stuck."""
     theta = q_f[2] - r[2]
     c, s = np.cos(theta), np.sin(theta)
@@ -32,10 +43,11 @@ def step_one(h, inverse_m, inverse_i, contact, q_f, moved, r, v, k):
     b_x = moved[0] - v[0] + v[2] * r_y
     b_y = moved[1] - v[1] - v[2] * r_x
     b_w = moved[2] - v[2]
-    f_x, f_y, m_z, k = contact_force(h * inverse_m, h * inverse_i, contact[0], contact[1], r_x, r_y, b_x, b_y, b_w, k)
-    v[0] += h * inverse_m * f_x
-    v[1] += h * inverse_m * f_y
-    v[2] += h * inverse_i * (m_z + r_x * f_y - r_y * f_x)
+    h_m, h_i = h * inverse_m, h * inverse_i
+    f_x, f_y, m_z, k = contact_force(curve, h_m, h_i, contact[0], contact[1], r_x, r_y, b_x, b_y, b_w, k)
+    v[0] += h_m * f_x
+    v[1] += h_m * f_y
+    v[2] += h_i * (m_z + r_x * f_y - r_y * f_x)
     if k > 0.0:
         d_x = moved[0] - v[0] + v[2] * r_y
         d_y = moved[1] - v[1] - v[2] * r_x
@@ -46,7 +58,7 @@ def step_one(h, inverse_m, inverse_i, contact, q_f, moved, r, v, k):
 
 
 @njit(**FAST)
-def sweep(h, inverse_m, inverse_i, contacts, offsets, moved, v, forces):
+def sweep(h, inverse_m, inverse_i, contacts, shapes, curves, offsets, moved, v, forces):
     """Solve the contacts in turn once; returns the largest change of a force and whether any slides."""
     change, slides = 0.0, False
     for i in range(len(contacts)):
@@ -57,8 +69,9 @@ def sweep(h, inverse_m, inverse_i, contacts, offsets, moved, v, forces):
         v[2] -= h * inverse_i * (m_z + x * f_y - y * f_x)
         b_x = moved[0] - moved[2] * offsets[i, 3] - v[0] + v[2] * y
         b_y = moved[1] + moved[2] * offsets[i, 2] - v[1] - v[2] * x
-        f_x, f_y, m_z, k = contact_force(
-            h * inverse_m, h * inverse_i, contacts[i, 0], contacts[i, 1], x, y, b_x, b_y, moved[2] - v[2], 0.0
+        h_m, h_i, b_w = h * inverse_m, h * inverse_i, moved[2] - v[2]
+        f_x, f_y, m_z, k = force_of(
+            shapes[i], curves, h_m, h_i, contacts[i, 0], contacts[i, 1], x, y, b_x, b_y, b_w, 0.0
         )
         v[0] += h * inverse_m * f_x
         v[1] += h * inverse_m * f_y
@@ -85,7 +98,7 @@ def moves(h, inverse_m, inverse_i, contacts, hand, v):
 
 
 @njit(**FAST)
-def hold(h, inverse_m, inverse_i, contacts, offsets, hand, v, forces):
+def hold(h, inverse_m, inverse_i, contacts, shapes, curves, offsets, hand, v, forces):
     """Try whether the contacts hold the object, each by its stiffness S_i^2; if so, v and forces are set to that.
 
     Where this sharing of the load fails another may hold it: then it is for the sweeps to find.
@@ -104,7 +117,8 @@ def hold(h, inverse_m, inverse_i, contacts, offsets, hand, v, forces):
     along_x, along_y = w_x / total + mean_y * turn, w_y / total - mean_x * turn
     for i in range(len(contacts)):
         d_x, d_y = along_x - offsets[i, 1] * turn, along_y + offsets[i, 0] * turn
-        if contacts[i, 0] ** 2 * (d_x * d_x + d_y * d_y + (contacts[i, 1] * turn) ** 2) > 1.0:
+        force = contacts[i, 0]
+        if share_used(shapes[i], curves, force * d_x, force * d_y, force * contacts[i, 1] * turn) > 1.0:
             return False
     for i in range(len(contacts)):
         square = contacts[i, 0] ** 2
@@ -116,10 +130,11 @@ def hold(h, inverse_m, inverse_i, contacts, offsets, hand, v, forces):
 
 
 @njit(**FAST)
-def settle(h, inverse_m, inverse_i, contacts, offsets, hand, v, forces):
+def settle(h, inverse_m, inverse_i, contacts, shapes, curves, offsets, hand, v, forces):
     """Solve all contacts at once; ``hand`` is the hand's velocity at the CoM. Returns (residual, whether they slide).
 
-    Of the relative velocities x at the CoM, the one that minimises |x - x_free|_M^2 / 2 h + sum_i |S_i G_i^T x|.
+    Of the relative velocities x at the CoM, the one that minimises |x - x_free|_M^2 / 2 h + sum_i h_i(S_i G_i^T x), h_i
+    the norm for an ellipsoid.
     """
     n = len(contacts)
     K, e, x, g = np.zeros((n, 3, 3)), np.empty((n, 3)), np.empty(3), np.empty((n, 3))
@@ -137,14 +152,15 @@ def settle(h, inverse_m, inverse_i, contacts, offsets, hand, v, forces):
         K[i, 0, 0], K[i, 0, 2], e[i, 0] = force * root_m, -force * b * root_i, force * (free[0] - b * free[2])
         K[i, 1, 1], K[i, 1, 2], e[i, 1] = force * root_m, force * a * root_i, force * (free[1] + a * free[2])
         K[i, 2, 2], e[i, 2] = moment * root_i, moment * free[2]
-    smallest_sum(1.0, K, e, x, g)
-    slip, whole, residual = 0.0, 0.0, 0.0
+    smallest_sum(1.0, K, e, x, g, shapes, curves)
+    slip, whole, residual, best = 0.0, 0.0, 0.0, np.empty((1, 1, 3))
     for i in range(n):
         z = K[i] @ x + e[i]
         size = np.sqrt(z[0] * z[0] + z[1] * z[1] + z[2] * z[2])
         slip, whole = max(slip, size), max(whole, np.sqrt(e[i, 0] ** 2 + e[i, 1] ** 2 + e[i, 2] ** 2))
         if size > 0.0:
-            residual = max(residual, np.max(np.abs(z / size - g[i])))
+            frictions(shapes[i : i + 1], curves, z.reshape(1, 1, 3), best)
+            residual = max(residual, np.max(np.abs(best[0, 0] - g[i])))
     for i in range(n):
         forces[i, 0], forces[i, 1] = contacts[i, 0] * g[i, 0], contacts[i, 0] * g[i, 1]
         forces[i, 2] = contacts[i, 0] * contacts[i, 1] * g[i, 2]
@@ -157,11 +173,8 @@ def settle(h, inverse_m, inverse_i, contacts, offsets, hand, v, forces):
 
 
 @njit(**FAST)
-def step_many(h, inverse_m, inverse_i, contacts, q_f, moved, r, v, offsets, forces, hand):
-    """One step with several contacts; ``contacts`` (n, 4) holds mu f_N, c a, and the place of each in {f}.
-
-    Returns how much the contacts disagree, as a share of their friction.
-    """
+def step_many(h, inverse_m, inverse_i, contacts, shapes, curves, q_f, moved, r, v, offsets, forces, hand):
+    """One step with several contacts; returns how much they disagree, as a share of their friction."""
     theta = q_f[2] - r[2]
     c, s = np.cos(theta), np.sin(theta)
     r_x, r_y = c * r[0] - s * r[1], s * r[0] + c * r[1]
@@ -172,7 +185,7 @@ def step_many(h, inverse_m, inverse_i, contacts, q_f, moved, r, v, offsets, forc
         offsets[i, 0], offsets[i, 1] = r_x + offsets[i, 2], r_y + offsets[i, 3]
     v[1] -= h * GRAVITY
     hand[0], hand[1], hand[2] = moved[0] + moved[2] * r_y, moved[1] - moved[2] * r_x, moved[2]
-    if hold(h, inverse_m, inverse_i, contacts, offsets, hand, v, forces):
+    if hold(h, inverse_m, inverse_i, contacts, shapes, curves, offsets, hand, v, forces):
         return 0.0
     for i in range(len(contacts)):
         # Start from the last step's forces: the object's velocity is told with them.
@@ -181,12 +194,12 @@ def step_many(h, inverse_m, inverse_i, contacts, q_f, moved, r, v, offsets, forc
         v[2] += h * inverse_i * (forces[i, 2] + offsets[i, 0] * forces[i, 1] - offsets[i, 1] * forces[i, 0])
     change, slides = 1.0, True
     for _ in range(SWEEPS):
-        change, slides = sweep(h, inverse_m, inverse_i, contacts, offsets, moved, v, forces)
+        change, slides = sweep(h, inverse_m, inverse_i, contacts, shapes, curves, offsets, moved, v, forces)
         if change < SETTLED:
             slides = slides and moves(h, inverse_m, inverse_i, contacts, hand, v)
             break
     if change >= SETTLED:
-        change, slides = settle(h, inverse_m, inverse_i, contacts, offsets, hand, v, forces)
+        change, slides = settle(h, inverse_m, inverse_i, contacts, shapes, curves, offsets, hand, v, forces)
     if slides:
         d_x = moved[0] - v[0] + v[2] * r_y
         d_y = moved[1] - v[1] - v[2] * r_x
@@ -197,12 +210,33 @@ def step_many(h, inverse_m, inverse_i, contacts, q_f, moved, r, v, offsets, forc
 
 
 @njit(**FAST)
-def run_samples(time_s, q_f, m, inertia, contacts, r, v, path):
+def run_lone(time_s, q_f, m, inertia, contact, curve, r, v, path):
+    """:func:`run_samples` for one contact at the origin of {f}; ``curve`` tells its surface, None an ellipsoid."""
+    moved, k, slid = np.empty(3), 0.0, 0
+    inverse_m, inverse_i = 1.0 / m, 1.0 / inertia
+    if len(path):
+        path[0] = r
+    for step in range(len(time_s) - 1):
+        h = time_s[step + 1] - time_s[step]
+        rate = 1.0 / h
+        for axis in range(3):
+            moved[axis] = (q_f[step + 1, axis] - q_f[step, axis]) * rate
+        r_0, r_1, r_2 = r[0], r[1], r[2]
+        k = step_one(h, inverse_m, inverse_i, contact, curve, q_f[step], moved, r, v, k)
+        slid += r_0 != r[0] or r_1 != r[1] or r_2 != r[2]
+        if len(path):
+            for axis in range(3):
+                path[step + 1, axis] = r[axis]
+    return slid, 0.0
+
+
+@njit(**FAST)
+def run_samples(time_s, q_f, m, inertia, contacts, shapes, curves, r, v, path):
     """Step through the samples of a hand, (T,) and (T, 3); ``path`` (T, 3) receives r_f_b, or is empty.
 
     Returns (steps that slid, largest residual of the sweeps).
     """
-    moved, hand, k, slid, residual = np.empty(3), np.empty(3), 0.0, 0, 0.0
+    moved, hand, slid, residual = np.empty(3), np.empty(3), 0, 0.0
     offsets, forces = np.empty((len(contacts), 4)), np.zeros((len(contacts), 3))
     inverse_m, inverse_i = 1.0 / m, 1.0 / inertia
     if len(path):
@@ -213,11 +247,10 @@ def run_samples(time_s, q_f, m, inertia, contacts, r, v, path):
         for axis in range(3):
             moved[axis] = (q_f[step + 1, axis] - q_f[step, axis]) * rate
         r_0, r_1, r_2 = r[0], r[1], r[2]
-        if len(contacts) == 1 and contacts[0, 2] == 0.0 and contacts[0, 3] == 0.0:
-            k = step_one(h, inverse_m, inverse_i, contacts[0], q_f[step], moved, r, v, k)
-        else:
-            apart = step_many(h, inverse_m, inverse_i, contacts, q_f[step], moved, r, v, offsets, forces, hand)
-            residual = max(residual, apart)
+        apart = step_many(
+            h, inverse_m, inverse_i, contacts, shapes, curves, q_f[step], moved, r, v, offsets, forces, hand
+        )
+        residual = max(residual, apart)
         slid += r_0 != r[0] or r_1 != r[1] or r_2 != r[2]
         if len(path):
             for axis in range(3):
@@ -226,10 +259,9 @@ def run_samples(time_s, q_f, m, inertia, contacts, r, v, path):
 
 
 @njit(parallel=True, **FAST)
-def run_samples_batch(time_s, q_f, bodies, contacts, r, v):
-    """Many parameter sets on all cores: ``bodies`` (N, 3) m, I, hand scale; ``contacts`` (N, n, 4); r and v (N, 3)."""
+def run_lone_batch(time_s, q_f, bodies, contacts, curve, r, v):
+    """Many parameter sets on all cores: ``bodies`` (N, 3) m, I, hand scale; ``contacts`` (N, 2); r and v (N, 3)."""
     for trial in prange(len(bodies)):
         scaled = q_f[0] + bodies[trial, 2] * (q_f - q_f[0])
-        run_samples(
-            time_s, scaled, bodies[trial, 0], bodies[trial, 1], contacts[trial], r[trial], v[trial], np.empty((0, 3))
-        )
+        m, inertia, path = bodies[trial, 0], bodies[trial, 1], np.empty((0, 3))
+        run_lone(time_s, scaled, m, inertia, contacts[trial], curve, r[trial], v[trial], path)

@@ -78,8 +78,8 @@ def sticking_margin(grasp: Grasp, w_b: FloatArray) -> StickingLoad:
     (0.5, array([0.5, 0.5]), True)
     """
     w = single("sticking: w_b", w_b, (3,))
-    forces, direction = np.empty((len(grasp), 3)), np.empty(3)
-    load, bound = certified_load(grasp.r_f_b, grasp.semi_axes, np.array(w), forces, direction)
+    forces, direction, shapes = np.empty((len(grasp), 3)), np.empty(3), grasp.shapes
+    load, bound = certified_load(grasp.r_f_b, grasp.semi_axes, shapes.of, shapes.curves, np.array(w), forces, direction)
     return StickingLoad(load, forces, direction, load - bound if np.isfinite(load) else 0.0)
 
 
@@ -93,11 +93,11 @@ def sticking_loads(
     w = finite("sticking: w_b", w_b, (3,)).reshape(-1, 3)
     n = len(grasp)
     places = grasp.r_f_b if r_f_b is None else finite("sticking: r_f_b", r_f_b, (n, 3))
-    axes, shape = grasp.axes_over(f_N), (len(w), n, 3)
+    axes, shapes, shape = grasp.axes_over(f_N), grasp.shapes, (len(w), n, 3)
     for name, value in (("r_f_b", places), ("f_N", axes)):
         if value.ndim > 2 and value.shape != shape:
             raise InputError(f"sticking: {name} must have one row for each of {len(w)} wrenches, got {len(value)}")
     places, axes = (np.ascontiguousarray(np.broadcast_to(a, shape)) for a in (places, axes))
     loads = np.empty(len(w))
-    many_loads(places, axes, np.ascontiguousarray(w), loads)
+    many_loads(places, axes, shapes.of, shapes.curves, np.ascontiguousarray(w), loads)
     return loads

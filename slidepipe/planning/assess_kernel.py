@@ -82,7 +82,8 @@ def stick_share(body, fingers, r_x, r_y, angle, theta, a_x, a_y, alpha):
         axes[i, 0] = axes[i, 1] = fingers[i, 0]
         axes[i, 2] = fingers[i, 0] * fingers[i, 1]
     forces, direction = np.empty((len(fingers), 3)), np.empty(3)
-    return certified_load(places, axes, np.array([f_x, f_y, m_z]), forces, direction)[0]
+    ellipsoids, no_curves = np.full(len(fingers), -1), np.empty((0, 2, 3))
+    return certified_load(places, axes, ellipsoids, no_curves, np.array([f_x, f_y, m_z]), forces, direction)[0]
 
 
 @njit(**FAST)
@@ -123,21 +124,35 @@ def measure(body, r, ended, r_start, r_goal, rho):
 
 
 @njit(**FAST)
-def tried(breaks, coefficients, jumps, body, ratio, tolerance, r_start, r, out):
-    """One trial of a lone finger with ``ratio`` times the friction; ``r`` receives where it ends."""
-    other = body.copy()
-    other[2] *= ratio
+def tried(breaks, coefficients, jumps, body, ratio, tolerance, r_start, r):
+    """How one trial of a lone finger with ``ratio`` times the friction ends; ``r`` receives where."""
     r[:] = r_start
-    run_trial(breaks, coefficients, jumps, other, tolerance, breaks[-1] + REST_S, r, np.empty((0, 7)), out)
-    return out[0]
+    force, length, width = ratio * body[2], 2.0 * body[5], 2.0 * body[6]
+    told = run_trial(
+        breaks,
+        coefficients,
+        jumps,
+        None,
+        body[0],
+        body[1],
+        force,
+        body[3],
+        length,
+        width,
+        tolerance,
+        REST_S,
+        r,
+        np.empty((0, 7)),
+    )
+    return told[0]
 
 
 @njit(**FAST)
-def worst_of_two(breaks, coefficients, jumps, body, r_start, r_goal, error, r, out):
+def worst_of_two(breaks, coefficients, jumps, body, r_start, r_goal, error, r):
     """Worse measure of a trial with that much less friction and one with that much more."""
     worst = 0.0
     for ratio in (1.0 - error, 1.0 + error):
-        ended = tried(breaks, coefficients, jumps, body, ratio, SEARCH_TOLERANCE_M, r_start, r, out)
+        ended = tried(breaks, coefficients, jumps, body, ratio, SEARCH_TOLERANCE_M, r_start, r)
         worst = max(worst, measure(body, r, ended, r_start, r_goal, body[3]))
     return worst
 
@@ -145,9 +160,9 @@ def worst_of_two(breaks, coefficients, jumps, body, r_start, r_goal, error, r, o
 @njit(**FAST)
 def error_survived(breaks, coefficients, jumps, body, r_start, r_goal, most, guess):
     """Largest friction error both ways that a lone finger's trial survives, interpolated between steps from a guess."""
-    r, out = np.empty(3), np.empty(5)
+    r = np.empty(3)
     error = min(max(guess, ERROR_STEP), most)
-    worst = worst_of_two(breaks, coefficients, jumps, body, r_start, r_goal, error, r, out)
+    worst = worst_of_two(breaks, coefficients, jumps, body, r_start, r_goal, error, r)
     way = 1.0 if worst < 1.0 else -1.0
     while True:
         last, before = worst, error
@@ -156,7 +171,7 @@ def error_survived(breaks, coefficients, jumps, body, r_start, r_goal, most, gue
         if way < 0.0 and error <= 1e-9:
             return 0.0
         error = min(most, max(0.0, error + way * ERROR_STEP))
-        worst = worst_of_two(breaks, coefficients, jumps, body, r_start, r_goal, error, r, out)
+        worst = worst_of_two(breaks, coefficients, jumps, body, r_start, r_goal, error, r)
         if (worst < 1.0) != (last < 1.0):
             return before + (error - before) * (1.0 - last) / (worst - last)
 

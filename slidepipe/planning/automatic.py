@@ -50,7 +50,7 @@ def plan_automatically(task: Task, setup: Setup, wish: Wish) -> Plan:
         No motion is found: the limits that conflict in the one that comes nearest, each with its value, its bound and
         the time, and the nearest goal or grip force for which there is one.
     """
-    arm, refusal = _local_model(task, setup), None
+    arm, refusal = local_arm(task, setup), None
     for _ in range(ATTEMPTS):
         search = Search(task, setup, wish, arm)
         found = search.best()
@@ -75,7 +75,8 @@ def plan_automatically(task: Task, setup: Setup, wish: Wish) -> Plan:
 ARM_WORDS = "no gentler motion does better: move arm.plane, change arm.posture_rad or raise arm.limits"
 
 
-def _local_model(task: Task, setup: Setup) -> LocalModel:
+def local_arm(task: Task, setup: Setup) -> LocalModel:
+    """The arm's first order about the start of a task."""
     model, limits = nominal_model(setup.tool), setup.limits
     return local_model(
         model,

@@ -71,6 +71,11 @@ class Found:
         return bool(self.figures[kernel.COST] < kernel.SURVIVES_TOO_LITTLE)
 
     @property
+    def length_s(self) -> float:
+        """Duration of the motion."""
+        return float(self.figures[kernel.LENGTH_S])
+
+    @property
     def force(self) -> float:
         """Normal force beside the believed one."""
         return float(np.round(np.exp(self.choice[kernel.LOG_FORCE]), FORCE_DIGITS))
