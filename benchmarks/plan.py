@@ -1,8 +1,8 @@
-"""Time the planner and try what it promises: the named problems, random goals, wrong friction, MuJoCo, other optimisers.
+"""Time the planner and try its promises: named problems, random goals, wrong friction, MuJoCo, other optimisers.
 
-Every feasible plan is run in MuJoCo with a perfect tracker. The friction errors survived are those that simulated trials
-survive, confirmed in MuJoCo just inside both ends; "wide face" is the same plan on a face without an edge, so that only
-turning and not coming nearer count. ``--json`` writes the figures.
+Every feasible plan is run in MuJoCo with a perfect tracker. The friction errors survived are those that simulated
+trials survive, confirmed in MuJoCo just inside both ends; "wide face" is the same plan on a face without an edge, so
+that only turning and not coming nearer count. ``--json`` writes the figures.
 """
 
 import argparse
@@ -23,6 +23,7 @@ from support.planning_peers import by_slsqp, casadi_solver, middle
 from slidepipe.errors import InfeasibleError
 from slidepipe.lab.grip_model import ContactSettings
 from slidepipe.lab.planar_rig import planar_rig, run_rig
+from slidepipe.mechanics.dynamics import Block
 from slidepipe.planning.automatic import local_arm, plan_automatically
 from slidepipe.planning.course import CourseMotion
 from slidepipe.planning.planner import Plan
@@ -98,7 +99,7 @@ def _on_a_wide_face(chosen: Plan) -> float:
     return survival(chosen.course, wide, chosen.setup.fingers).friction_error
 
 
-class _WideBlock(type(linear_setup().block)):
+class _WideBlock(Block):
     """A block as heavy and as hard to turn as its sides say, with a face that is far wider."""
 
     __slots__ = ()

@@ -93,12 +93,13 @@ def named_problems() -> list[Problem]:
     turn = Task(np.zeros(3), np.array([0.0, 0.0, 0.75 * np.pi]), np.array([0.0, 0.0, np.pi]), None)
     short = Task(np.zeros(3), np.array([-0.004, -0.012, np.pi]), np.array([0.004, 0.012, np.pi]), None)
     far = Task(np.zeros(3), np.array([0.0, -0.03, np.pi]), np.array([0.0, 0.03, np.pi]), None)
+    weak = replace(rotational_setup(), finger=linear_setup().finger)
     long_block = replace(linear_setup(np.inf), block=Block(0.06, 0.2, 0.04))
     return [
         Problem("VIII-A, robust", linear_task(), linear_setup(), robust),
         Problem("VIII-B, robust", rotational_task(), rotational_setup(), replace(robust, friction_error=0.05)),
         Problem("VIII-B, fast", rotational_task(), rotational_setup(), fast),
-        Problem("turn in place by 45 degrees", turn, rotational_setup(), fast),
+        Problem("turn in place by 45 degrees", turn, weak, fast),
         Problem("four fingers", short, replace(linear_setup(np.inf), places=places), fast),
         Problem("60 mm on a longer block", far, long_block, robust),
     ]

@@ -11,8 +11,8 @@ from slidepipe.arm.local_model import LocalModel, local_model
 from slidepipe.arm.model import nominal_model
 from slidepipe.errors import InfeasibleError
 from slidepipe.mechanics.planar import finger_pose
+from slidepipe.planning import assess_kernel as kernel
 from slidepipe.planning.course import Course
-from slidepipe.planning.limits import Check
 from slidepipe.planning.planner import Plan, Setup, follow, grip_checks
 from slidepipe.planning.search import Found, Search, Task, scaled
 from slidepipe.planning.survival import Survival, survival
@@ -121,21 +121,23 @@ def _conflicts(search: Search, found: Found) -> list[str]:
     share = (1.0 - search.wish.friction_error) * setup.limits.stick_load
     strict = replace(setup, limits=replace(setup.limits, stick_load=share))
     course = search.course(found)
-    broken = [
-        str(check) for check in (*grip_checks(course, strict), *_arm_checks(course, strict)) if not check.satisfied
-    ]
+    broken = [str(check) for check in grip_checks(course, strict) if not check.satisfied]
+    broken += _arm_conflicts(course, strict, float(found.figures[kernel.ARM_SHARE]))
     outcome = survival(course, setup.block, setup.fingers)
     if outcome.friction_error < search.wish.friction_error:
         broken.append(_too_little(outcome, search.wish.friction_error))
     return broken
 
 
-def _arm_checks(course: Course, setup: Setup) -> tuple[Check, ...]:
-    """What the arm says of a course, nothing where it cannot reach: then the local model's ranges have told."""
+def _arm_conflicts(course: Course, setup: Setup, share: float) -> list[str]:
+    """What the arm says of a course; ``share`` is what its first order took it to ask of a limit."""
     try:
-        return follow(course, setup).limits
-    except InfeasibleError:
-        return ()
+        broken = [str(check) for check in follow(course, setup).limits if not check.satisfied]
+    except InfeasibleError as out_of_reach:
+        return list(out_of_reach.lines)
+    if share > 1.0 and not broken:
+        broken = [f"arm: {share:.3g} times a joint's limit, to first order about the start, beyond 1"]
+    return broken
 
 
 def _too_little(outcome: Survival, asked: float) -> str:

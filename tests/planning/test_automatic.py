@@ -1,11 +1,12 @@
 """Motions that the planner finds by itself: within every limit, at the goal, and as robust as they say."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from free_block import FreeBlock
-from paper_cases import BLOCK, LIMITS, LINEAR, ROTATIONAL, linear_setup, rotational_setup
+from paper_cases import BLOCK, LIMITS, LINEAR, ROTATIONAL, linear_finger, linear_setup, rotational_setup
 from planning_setups import dense
 
 from slidepipe.errors import InfeasibleError, InputError
@@ -159,8 +160,16 @@ def test_the_hand_comes_to_rest_in_its_region() -> None:
 
 def test_a_turn_in_place() -> None:
     task = Task(np.zeros(3), np.array([0.0, 0.0, 0.75 * np.pi]), np.array([0.0, 0.0, np.pi]), None)
-    chosen = plan_automatically(task, rotational_setup(), Wish(WEIGHTS[Objective.FAST], friction_error=0.05))
+    setup = rotational_setup(linear_finger())
+    chosen = plan_automatically(task, setup, Wish(WEIGHTS[Objective.FAST], friction_error=0.05))
     np.testing.assert_allclose(freely(chosen), task.r_goal, atol=2e-5)
+
+
+def test_a_grip_that_is_too_strong_to_turn_in_is_told_with_one_that_would_do() -> None:
+    task = Task(np.zeros(3), np.array([0.0, 0.0, 0.75 * np.pi]), np.array([0.0, 0.0, np.pi]), None)
+    with pytest.raises(InfeasibleError, match=r"joint 7 speed: .*, beyond 12 rad/s") as no:
+        plan_automatically(task, rotational_setup(), Wish(WEIGHTS[Objective.FAST], friction_error=0.05))
+    assert re.search(r"nearest normal force: 0\.\d+ N of all fingers together, instead of 2\.5 N", str(no.value))
 
 
 def four_fingers() -> Setup:
