@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from slidepipe.artifacts.campaign import CampaignDocument
 from slidepipe.artifacts.experiment import Experiment
 from slidepipe.artifacts.overrides import apply_overrides
 from slidepipe.artifacts.schema import parse
@@ -95,12 +96,19 @@ def _in_lab(task: SweepTask, document: YamlDocument, world: World) -> SweepTrial
             table = campaign.play(request)
         except RefusedError as refusal:
             return _document(task, world, experiment, outcome="no plan", why_ended="; ".join(refusal.lines))
-    tries = [
-        SweepTry(error=None if row.outcome == "lost" or true is None else error_of(true, experiment))
+    tries = tries_of(table, experiment)
+    return _document(task, world, experiment, *tries, outcome=table.outcome, why_ended=table.stopped_because)
+
+
+def tries_of(table: CampaignDocument, experiment: Experiment) -> list[SweepTry]:
+    """What each trial of a campaign truly left."""
+    return [
+        SweepTry(
+            error=None if row.outcome == "lost" or true is None else error_of(true, experiment), said_worse=row.worse
+        )
         for row in table.rows
         for true in (row.true_relative_pose,)
     ]
-    return _document(task, world, experiment, *tries, outcome=table.outcome, why_ended=table.stopped_because)
 
 
 def _silent(_: str) -> None:
