@@ -1,5 +1,6 @@
 """Joint trajectories for hand trajectories, by mink's differential inverse kinematics on the nominal model."""
 
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
@@ -7,7 +8,7 @@ from itertools import pairwise
 import mink
 import mujoco
 import numpy as np
-from scipy.interpolate import make_interp_spline
+from numpy.polynomial import chebyshev
 from scipy.spatial.transform import Rotation
 
 from slidepipe.arm.model import HAND
@@ -20,6 +21,9 @@ STEP_TOLERANCE_RAD = 1e-9
 MAX_STEPS = 50
 POSITION_TOLERANCE_M = 1e-7
 ANGLE_TOLERANCE_RAD = 1e-6
+NODES = (9, 17, 33, 65)
+"""How many points of a piece are solved for."""
+CONVERGED_RAD = 1e-8
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,11 +63,25 @@ class InverseKinematics:
         self._posture.set_target(np.array(posture_rad, dtype=float))
         self._limits = [mink.ConfigurationLimit(model)]
 
-    def solve(self, path: HandPath) -> FloatArray:
-        """Joint angles (T, 7) along a path; raises InfeasibleError where a pose is out of reach within the limits."""
+    def approach(self, path: HandPath) -> None:
+        """Come near the first pose of a path from wherever the search is, with the posture held loosely."""
         self._aim(path.position_m[0], path.matrix[0])
         self._descend([self._hand, self._posture], [])
-        return np.array([self._pose(*sample) for sample in zip(path.time_s, path.position_m, path.matrix, strict=True)])
+
+    def solve(self, path: HandPath, near: FloatArray | None = None) -> FloatArray:
+        """Joint angles (T, 7) along a path, each sought from the one before or from ``near`` (T, 7).
+
+        Raises
+        ------
+        InfeasibleError
+            A pose is out of reach within the limits.
+        """
+        angles = np.empty((len(path.time_s), len(self._configuration.q)))
+        for index, sample in enumerate(zip(path.time_s, path.position_m, path.matrix, strict=True)):
+            if near is not None:
+                self._configuration.update(near[index])
+            angles[index] = self._pose(*sample)
+        return angles
 
     def _pose(self, time_s: float, position_m: FloatArray, matrix: FloatArray) -> FloatArray:
         """Nearest to the posture among the configurations that hold the hand exactly there."""
@@ -93,24 +111,65 @@ class InverseKinematics:
                 break
 
 
-def differentiate(time_s: FloatArray, position_rad: FloatArray, boundaries_s: FloatArray) -> JointPath:
-    """Velocity and acceleration of joint angles that are smooth between boundaries and whose acceleration jumps there.
+def joint_path(
+    kinematics: InverseKinematics,
+    hand: Callable[[FloatArray], HandPath],
+    time_s: FloatArray,
+    boundaries_s: FloatArray,
+) -> JointPath:
+    """Joint motion for a motion of the hand that is smooth between boundaries and whose acceleration jumps there.
+
+    The angles are solved for at the Chebyshev points of each piece, twice as many until their polynomial has converged.
 
     Parameters
     ----------
+    kinematics : InverseKinematics
+    hand : callable
+        Poses of the hand at (K,) times.
     time_s : (T,)
-    position_rad : (T, 7)
-    boundaries_s : (K,)
-        Times that are among the samples, first and last included; the value at one is that of the piece which begins.
+        Where the joint motion is wanted; at a boundary the piece that begins there counts.
+    boundaries_s : (B,)
+        First and last included.
 
-    Returns
-    -------
-    JointPath
+    Raises
+    ------
+    InfeasibleError
+        A pose is out of reach within the limits, or the joints do not move smoothly.
     """
-    velocity, acceleration = np.empty_like(position_rad), np.empty_like(position_rad)
-    edges = np.searchsorted(time_s, boundaries_s - 1e-9)
-    for first, last in pairwise(edges):
-        piece = slice(first, last + 1)
-        spline = make_interp_spline(time_s[piece], position_rad[piece], k=min(5, last - first))
-        velocity[piece], acceleration[piece] = spline(time_s[piece], 1), spline(time_s[piece], 2)
-    return JointPath(time_s, position_rad, velocity, acceleration)
+    kinematics.approach(hand(boundaries_s[:1]))
+    values = np.empty((3, len(time_s), 7))
+    for start, stop in pairwise(boundaries_s):
+        coefficients = _converged(kinematics, hand, float(start), float(stop))
+        inside = time_s >= start - 1e-9
+        share = 2.0 * (time_s[inside] - start) / (stop - start) - 1.0
+        for order in range(3):
+            scale = (2.0 / (stop - start)) ** order
+            values[order, inside] = scale * chebyshev.chebval(share, chebyshev.chebder(coefficients, order)).T
+    return JointPath(time_s, *values)
+
+
+def _converged(
+    kinematics: InverseKinematics, hand: Callable[[FloatArray], HandPath], start: float, stop: float
+) -> FloatArray:
+    """Chebyshev coefficients (N, 7) of the joint angles along one piece."""
+    points, angles = _points(NODES[0]), np.empty((0, 7))
+    angles = kinematics.solve(hand(start + (stop - start) * points))
+    for count in NODES:
+        coefficients = np.linalg.solve(chebyshev.chebvander(2.0 * points - 1.0, count - 1), angles)
+        if np.max(np.abs(coefficients[-2:])) < CONVERGED_RAD:
+            return np.asarray(coefficients)
+        # The points between, sought from where the polynomial has them.
+        finer, angles = _points(2 * count - 1), np.repeat(angles, 2, axis=0)[:-1]
+        between = finer[1::2]
+        near = chebyshev.chebval(2.0 * between - 1.0, coefficients).T
+        angles[1::2] = kinematics.solve(hand(start + (stop - start) * between), near)
+        points = finer
+    raise InfeasibleError(
+        f"inverse kinematics: the joints do not move smoothly between t = {start:.3f} s and {stop:.3f} s, "
+        "near a singular pose: move arm.plane or change arm.posture_rad"
+    )
+
+
+def _points(count: int) -> FloatArray:
+    """Chebyshev points of the second kind on [0, 1]."""
+    return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.arange(count) / (count - 1)))

@@ -33,6 +33,8 @@ class ArmLimits(Record):
     joint_torque_n_m: PositiveJoints
     tip_speed_m_s: Positive
     elbow_speed_m_s: Positive
+    hand_acceleration_m_s2: Positive | None = None
+    joint_acceleration_rad_s2: PositiveJoints | None = None
 
 
 class ArmSetup(Record):

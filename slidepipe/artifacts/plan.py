@@ -17,22 +17,57 @@ class Belief(Record):
     rho_m: Positive
 
 
+PhaseName = Literal["stick", "slide", "catch", "settle"]
+
+
 class Phase(Record):
     """One phase; the object's acceleration in {w} is null where it is not constant."""
 
-    name: Literal["stick", "slide", "settle"]
+    name: PhaseName
     start_s: NotNegative
     stop_s: NotNegative
     object_acceleration: Planar | None
 
 
 class Slide(Record):
-    """The bang-bang slide: ``relative_acceleration`` in {b} until ``switch_s``, its opposite from there."""
+    """The bang-bang slide: ``relative_acceleration`` in {b} until ``switch_s``, from there ``braking_acceleration``.
+
+    Where the latter is null it is the opposite of the former.
+    """
 
     start_s: NotNegative
     switch_s: NotNegative
     stop_s: NotNegative
     relative_acceleration: Planar
+    braking_acceleration: Planar | None = None
+
+
+class FrictionPoint(Record):
+    """Where the finger would end on the object under one friction; ``error_share`` is what is left of the way."""
+
+    friction: Positive
+    relative_pose: Pose
+    error_share: NotNegative
+    survived: bool
+
+
+class Robustness(Record):
+    """What wrong friction does to the plan, from simulated trials.
+
+    ``friction_error`` is the largest share by which the friction may be wrong either way such that the finger stays
+    on the object, the object does not turn away, and the finger ends nearer to the goal than it began;
+    ``contraction`` is the largest share of the error that is left while the friction is wrong by no more than
+    ``contraction_within``.
+    """
+
+    friction_error: NotNegative
+    below: NotNegative
+    binds_below: str
+    above: NotNegative
+    binds_above: str
+    contraction: NotNegative
+    contraction_within: NotNegative
+    map: tuple[FrictionPoint, ...]
 
 
 class LimitCheck(Record):
@@ -67,3 +102,6 @@ class PlanDocument(Artifact):
     margins: tuple[LimitCheck, ...]
     limits: tuple[LimitCheck, ...]
     reference_file: str
+    objective: str | None = None
+    normal_force_n: Positive | None = None
+    robustness: Robustness | None = None

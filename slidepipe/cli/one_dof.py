@@ -10,7 +10,7 @@ from slidepipe.cli.session import Report, Session, note_reuse, plain
 
 
 def plan_one_dof(
-    session: Session, experiment: Path, overrides: tuple[str, ...], *, force: bool, as_json: bool
+    session: Session, /, *, experiment: Path, overrides: tuple[str, ...], force: bool, as_json: bool
 ) -> ExitCode:
     """Plan, and show the plan; NO where Theorem 1 promises nothing."""
     from slidepipe.cli.views.one_dof import one_dof_plan_view

@@ -33,6 +33,28 @@ BAND = _look(facecolor="#8a1c3c", alpha=0.13, linewidth=0.0, zorder=1)
 SLIDING = _look(facecolor="#cfeacb", edgecolor="#5b9a55", linewidth=0.5, zorder=0)
 """When the object slides in the fingers."""
 
+PHASES: Mapping[str, Look] = MappingProxyType(
+    {
+        "stick": _look(color="#1f5fa8", linestyle="-", linewidth=1.5),
+        "slide": _look(color="#2e7d32", linestyle="-", linewidth=3.2),
+        "settle": _look(color="#6b7480", linestyle=(0, (5, 2)), linewidth=1.5),
+    }
+)
+"""Paths in the three kinds of phases: in grey they differ in weight and dash."""
+BLOCK = _look(facecolor="#efe9dc", edgecolor="#4a4a4a", linewidth=0.9)
+"""The object, and {b} on it."""
+CONTACT = _look(facecolor="#b3261e", edgecolor="white", linewidth=0.5)
+"""Where the finger touches."""
+FINGER = _look(color="#8b4513", linewidth=1.6, solid_capstyle="round")
+"""Which way the finger points."""
+FORCE, VELOCITY = "#8b4513", "#0b8ca6"
+"""Friction, and the sliding velocity that belongs to it."""
+SURFACE = "#9aa7b4"
+"""Limit surfaces."""
+AXES = ("#1f5fa8", "#d9730d", "#2e7d32")
+"""x, y and theta where they share a panel; their lines are :data:`DASHES`."""
+DASHES = ("-", (0, (5, 1.8)), (0, (1.2, 1.2)))
+
 SETTINGS = MappingProxyType(
     {
         "font.family": "DejaVu Sans",

@@ -1,25 +1,40 @@
-"""From a regrasp to a motion of the arm, with every limit checked."""
+"""From a course to a motion of the arm, with every limit checked."""
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from slidepipe.arm.dynamics import ArmLoad, arm_load
-from slidepipe.arm.inverse_kinematics import HandPath, InverseKinematics, JointPath, differentiate
+from slidepipe.arm.inverse_kinematics import HandPath, InverseKinematics, JointPath, joint_path
 from slidepipe.arm.model import Tool, nominal_model
 from slidepipe.errors import InfeasibleError, InputError
 from slidepipe.mechanics.dynamics import Block
 from slidepipe.mechanics.limit_surface import SoftFinger
 from slidepipe.mechanics.planar import MotionPlane
-from slidepipe.planning.limits import Check, Limits, check_arm, check_grasp
-from slidepipe.planning.three_phase import Motion, Regrasp, ThreePhaseMotion
+from slidepipe.mechanics.stepping import PlacedFinger
+from slidepipe.planning.course import Course, CourseMotion, Motion
+from slidepipe.planning.limits import Check, Limits, check_arm, check_continuity, check_grasp
+from slidepipe.planning.survival import Survival, survival
+from slidepipe.planning.three_phase import Regrasp, course_of
 from slidepipe.series import FloatArray
 from slidepipe.tick import TICK_S
+
+ON_TICK = 1e-6
+"""Share of a tick by which a time may miss it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Setup:
-    """What a plan is made for: the object, the grip as it is believed, where the plane and the arm are, the limits."""
+    """What a plan is made for: the object, the grip as it is believed, where the plane and the arm are, the limits.
+
+    Attributes
+    ----------
+    finger : SoftFinger
+        All fingers taken together.
+    places : (n, 3) or None
+        Of single fingers in {f}, with the share of the normal force that each carries; None where they act as one.
+    """
 
     block: Block
     finger: SoftFinger
@@ -27,50 +42,94 @@ class Setup:
     tool: Tool
     posture_rad: FloatArray
     limits: Limits
+    places: FloatArray | None = None
+
+    @property
+    def fingers(self) -> tuple[PlacedFinger, ...]:
+        """The fingers one by one."""
+        places = np.array([[0.0, 0.0, 1.0]]) if self.places is None else self.places
+        return tuple(
+            PlacedFinger(replace(self.finger, f_N=self.finger.f_N * share), np.array([x, y])) for x, y, share in places
+        )
+
+    @property
+    def half_size_m(self) -> FloatArray:
+        """(2,) half the object's sides."""
+        return 0.5 * np.array([self.block.length, self.block.width])
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
     """A motion with its joint trajectory, sampled every :data:`TICK_S`.
 
-    ``margins`` say how it stands to the grip, the object's face and the workspace, ``limits`` to those of the arm.
+    ``margins`` say how it stands to the grip, the object's face and the workspace, ``limits`` to those of the arm, and
+    ``survival`` to wrong friction. ``setup`` is what it was made for, with the grip force that was chosen.
     """
 
-    regrasp: Regrasp
-    dq_o_slide: FloatArray
-    ddq_o_stick: FloatArray
-    ddq_o_settle: FloatArray
+    setup: Setup
+    course: Course
     motion: Motion
     joints: JointPath
     load: ArmLoad
     margins: tuple[Check, ...]
     limits: tuple[Check, ...]
+    survival: Survival
 
 
 def plan(regrasp: Regrasp, setup: Setup) -> Plan:
-    """Plan one regrasp.
+    """Plan a regrasp whose times are given, as the paper does: they are checked, never changed.
 
     Raises
     ------
     InfeasibleError
         Where a limit is broken: one line for each, with its value, its bound and the time.
     """
-    motion, sampled, margins = _plan_grasp(regrasp, setup)
-    _refuse(margins)
-    joints, load = _plan_arm(sampled, regrasp, setup)
-    limits = check_arm(joints, load, setup.limits)
-    _refuse(limits)
+    _check_ticks(regrasp)
+    return plan_course(course_of(regrasp, setup.block, setup.fingers), setup)
+
+
+def plan_course(course: Course, setup: Setup) -> Plan:
+    """Follow a course with the arm.
+
+    Raises
+    ------
+    InfeasibleError
+        Where a limit is broken: one line for each, with its value, its bound and the time.
+    """
+    _refuse(grip_checks(course, setup))
+    chosen = follow(course, setup)
+    _refuse((*chosen.margins, *chosen.limits))
+    return chosen
+
+
+def follow(course: Course, setup: Setup) -> Plan:
+    """The plan of a course, whether or not it keeps the limits; raises InfeasibleError where the arm cannot reach."""
+    motion = CourseMotion(course, setup.block, setup.fingers)
+    sampled = motion.sample(_ticks(course))
+    model = nominal_model(setup.tool)
+    kinematics = InverseKinematics(model, setup.posture_rad)
+    joints = joint_path(kinematics, lambda time_s: _hand_path(motion, setup, time_s), sampled.time_s, course.boundaries)
+    load = arm_load(model, joints)
     return Plan(
-        regrasp=regrasp,
-        dq_o_slide=motion.dq_o_slide,
-        ddq_o_stick=motion.ddq_o_stick,
-        ddq_o_settle=motion.ddq_o_settle,
+        setup=setup,
+        course=course,
         motion=sampled,
         joints=joints,
         load=load,
-        margins=tuple(margins),
-        limits=tuple(limits),
+        margins=(*_check_grip(sampled, course, setup), *check_continuity(motion)),
+        limits=tuple(check_arm(joints, load, setup.limits)),
+        survival=survival(course, setup.block, setup.fingers),
     )
+
+
+def grip_checks(course: Course, setup: Setup) -> list[Check]:
+    """How a course stands to the limits of the grip and the hand; the arm is not asked."""
+    sampled = CourseMotion(course, setup.block, setup.fingers).sample(_ticks(course))
+    return _check_grip(sampled, course, setup)
+
+
+def _check_grip(sampled: Motion, course: Course, setup: Setup) -> list[Check]:
+    return check_grasp(sampled, course, setup.fingers, setup.half_size_m, setup.limits)
 
 
 def sticking_share(regrasp: Regrasp, motion: Motion) -> float:
@@ -86,36 +145,30 @@ def stick_load(regrasp: Regrasp, setup: Setup) -> float:
 
 def grasp_motion(regrasp: Regrasp, setup: Setup) -> Motion:
     """Hand and object of a regrasp on the control loop's ticks, without asking the arm."""
-    return _plan_grasp(regrasp, setup)[1]
+    course = course_of(regrasp, setup.block, setup.fingers)
+    return CourseMotion(course, setup.block, setup.fingers).sample(_ticks(course))
 
 
-def _plan_grasp(regrasp: Regrasp, setup: Setup) -> tuple[ThreePhaseMotion, Motion, list[Check]]:
-    motion = ThreePhaseMotion(regrasp, setup.block, setup.finger)
-    sampled = motion.sample(_ticks(regrasp))
-    half_size_m = 0.5 * np.array([setup.block.length, setup.block.width])
-    return motion, sampled, check_grasp(sampled, regrasp, half_size_m, setup.limits)
+def _hand_path(motion: CourseMotion, setup: Setup, time_s: FloatArray) -> HandPath:
+    position_m, matrix = setup.plane.lift(motion.sample(time_s).q_f)
+    return HandPath(time_s, position_m, matrix)
 
 
-def _plan_arm(motion: Motion, regrasp: Regrasp, setup: Setup) -> tuple[JointPath, ArmLoad]:
-    model = nominal_model(setup.tool)
-    position_m, matrix = setup.plane.lift(motion.q_f)
-    angles = InverseKinematics(model, setup.posture_rad).solve(HandPath(motion.time_s, position_m, matrix))
-    joints = differentiate(motion.time_s, angles, regrasp.boundaries)
-    return joints, arm_load(model, joints)
+def _ticks(course: Course) -> FloatArray:
+    """Sample times, up to the first at which the hand is at rest again."""
+    return np.asarray(np.arange(np.ceil(course.edges[-1] / TICK_S - ON_TICK) + 1) * TICK_S)
 
 
-def _ticks(regrasp: Regrasp) -> FloatArray:
-    """Sample times, at every boundary among others."""
+def _check_ticks(regrasp: Regrasp) -> None:
     counts = regrasp.boundaries / TICK_S
     if not np.allclose(counts, np.round(counts), atol=1e-6):
         raise InputError(
             f"regrasp: its times must fall on the control loop's ticks of {1e3 * TICK_S:g} ms, T23 on two of them: "
             f"got T1 = {regrasp.T1:g} s, T23 = {regrasp.T23:g} s, T4 = {regrasp.T4:g} s"
         )
-    return np.asarray(np.arange(round(counts[-1]) + 1) * TICK_S)
 
 
-def _refuse(checks: list[Check]) -> None:
+def _refuse(checks: Iterable[Check]) -> None:
     broken = [str(check) for check in checks if not check.satisfied]
     if broken:
         raise InfeasibleError(*broken)

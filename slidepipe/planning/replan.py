@@ -13,9 +13,10 @@ import numpy as np
 
 from slidepipe.errors import InfeasibleError
 from slidepipe.mechanics.planar import object_pose
+from slidepipe.planning.course import Motion
 from slidepipe.planning.planner import Plan, Setup, grasp_motion, plan, sticking_share
 from slidepipe.planning.predict import SampledHand, predict
-from slidepipe.planning.three_phase import Motion, Regrasp
+from slidepipe.planning.three_phase import Regrasp
 from slidepipe.series import FloatArray
 from slidepipe.tick import TICK_S
 

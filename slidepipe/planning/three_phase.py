@@ -1,32 +1,24 @@
-"""The three-phase regrasp of Section VII: stick for T1, slide for T23, stick for T4.
+"""The paper's own choice of a motion, Section VII: the times are given, and the hand is told where to come to rest.
 
-The relative motion is the bang-bang profile of Fig. 6: it accelerates from the initial to the goal relative pose for
-half of T23 and brakes for the other half, so ``r'' = +-4 (r_goal - r_init) / T23^2`` in {b}. While it slides in one
-direction the friction wrench in {b} is constant (eq. 14), so the object's acceleration does not depend on its
-velocity. The velocity at which sliding starts therefore enters the final pose linearly, and is chosen such that the
-hand comes to rest where it is told to.
+The slide is the bang-bang profile of Fig. 6, ``r'' = +-4 (r_goal - r_init) / T23^2`` in {b}, and the object's
+accelerations while it sticks are constant. While it slides in one direction the friction wrench in {b} is constant
+(eq. 14), so the object's acceleration does not depend on its velocity. The velocity at which sliding starts therefore
+enters the final pose linearly, and is chosen such that the hand comes to rest where it is told to.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.integrate import OdeSolution, solve_ivp
 
 from slidepipe.errors import InputError
-from slidepipe.mechanics.dynamics import (
-    Block,
-    finger_acceleration,
-    finger_velocity,
-    sliding_acceleration,
-    sticking_load,
-)
-from slidepipe.mechanics.hand_motion import HandMotion
+from slidepipe.mechanics.dynamics import Block
 from slidepipe.mechanics.limit_surface import SoftFinger
-from slidepipe.mechanics.planar import finger_pose, object_pose
+from slidepipe.mechanics.planar import object_pose
+from slidepipe.mechanics.stepping import PlacedFinger
+from slidepipe.planning import profile_kernel
+from slidepipe.planning.course import Course, CourseMotion, finger_rows
+from slidepipe.planning.nodes import FINE, nodes
 from slidepipe.series import FloatArray
-
-ROUNDING_S = 1e-9
-"""Times that differ by less are the same."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,114 +64,57 @@ class Regrasp:
         return np.asarray(4.0 * (self.r_goal - self.r_start) / self.T23**2)
 
 
-@dataclass(frozen=True, slots=True)
-class Motion:
-    """Hand and object over time, (T,) and (T, 3) in {w}; ``r_b`` in {b}; ``load`` is the friction in use (1 slides)."""
+def course_of(regrasp: Regrasp, block: Block, fingers: tuple[PlacedFinger, ...]) -> Course:
+    """The course that answers a regrasp under a believed friction."""
+    task, grid = regrasp, nodes(FINE)
+    times = np.array([task.T1, task.T23 / 2, task.T23 / 2, 0.0, task.T4])
+    tables = np.zeros((profile_kernel.PHASES, FINE, profile_kernel.COLUMNS))
+    moved, gained = np.empty(3), np.empty(3)
+    q_o_end = object_pose(task.q_f_end, task.r_goal)
 
-    time_s: FloatArray
-    q_o: FloatArray
-    dq_o: FloatArray
-    ddq_o: FloatArray
-    q_f: FloatArray
-    dq_f: FloatArray
-    ddq_f: FloatArray
-    r_b: FloatArray
-    dr_b: FloatArray
-    load: FloatArray
+    def velocity(theta: float, omega: float) -> FloatArray:
+        """Change of the velocity at the start of sliding that would end a slide begun so where it should."""
+        profile_kernel.change(
+            np.array([block.m, block.inertia]), finger_rows(fingers), task.r_start, task.r_goal - task.r_start,
+            times, theta, omega, tables, grid.points, grid.integral, moved, gained,
+        )  # fmt: skip
+        missed = q_o_end - task.q_o_start - moved - 0.5 * gained * task.T4
+        return np.asarray(missed / (0.5 * task.T1 + task.T23 + 0.5 * task.T4))
+
+    # The angle first: while sliding its acceleration depends on r_f_b alone, so omega enters linearly.
+    omega = float(velocity(float(task.q_o_start[2]), 0.0)[2])
+    theta = float(task.q_o_start[2]) + 0.5 * omega * task.T1
+    dq_o_slide = np.append(velocity(theta, omega)[:2], omega)
+    return Course(
+        q_o_start=np.asarray(task.q_o_start, dtype=float),
+        q_o_slide=task.q_o_start + 0.5 * dq_o_slide * task.T1,
+        dq_o_slide=dq_o_slide,
+        q_o_end=q_o_end,
+        r_start=np.asarray(task.r_start, dtype=float),
+        r_goal=np.asarray(task.r_goal, dtype=float),
+        T1=task.T1,
+        T2=task.T23 / 2,
+        T3=task.T23 / 2,
+        Tc=0.0,
+        T4=task.T4,
+    )
 
 
-class ThreePhaseMotion:
+class ThreePhaseMotion(CourseMotion):
     """The motion that answers a :class:`Regrasp` under a believed friction.
 
     Attributes
     ----------
     dq_o_slide : (3,)
-        The paper's free choice: velocity of the object in {w} when sliding starts.
+        Velocity of the object in {w} when sliding starts.
     ddq_o_stick, ddq_o_settle : (3,)
         Constant accelerations of the object in the two sticking phases.
     """
 
     def __init__(self, regrasp: Regrasp, block: Block, finger: SoftFinger) -> None:
-        self.regrasp, self.block, self.finger = regrasp, block, finger
-        # The angle first: while sliding its acceleration depends on r_f_b alone, so omega enters linearly.
-        at_rest = self._slide(np.zeros(3))
-        omega = self._velocity_for(at_rest)[2]
-        self.dq_o_slide = self._velocity_for(self._slide(np.array([0.0, 0.0, omega])), omega)
-        self._sliding = self._slide(self.dq_o_slide)
-        self.ddq_o_stick = self.dq_o_slide / regrasp.T1
-        self.ddq_o_settle = -self._sliding(regrasp.T23)[3:] / regrasp.T4
-
-    def sample(self, time_s: FloatArray) -> Motion:
-        """Hand and object at the given times; at a boundary the phase that begins there counts."""
-        time_s = _on_boundaries(np.asarray(time_s, dtype=float), self.regrasp.boundaries)
-        q_o, dq_o, ddq_o = self._object(time_s)
-        r_b, dr_b, ddr_b = self._relative(time_s)
-        return Motion(
-            time_s=time_s,
-            q_o=q_o,
-            dq_o=dq_o,
-            ddq_o=ddq_o,
-            q_f=finger_pose(q_o, r_b),
-            dq_f=finger_velocity(q_o[:, 2], dq_o, r_b, dr_b),
-            ddq_f=finger_acceleration(q_o[:, 2], dq_o[:, 2], ddq_o, r_f_b=r_b, dr_f_b=dr_b, ddr_f_b=ddr_b),
-            r_b=r_b,
-            dr_b=dr_b,
-            load=sticking_load(self.block, self.finger, q_o[:, 2], ddq_o, r_b),
-        )
-
-    def hand_motion(self) -> HandMotion:
-        """The hand's motion as polynomials, to simulate an object under it."""
-        return HandMotion.from_function(lambda time_s: self.sample(time_s).q_f, self.regrasp.boundaries)
-
-    def _slide(self, dq_o: FloatArray) -> OdeSolution:
-        """Object ``[q_o, dq_o]`` over the sliding phase, which begins at time 0 with velocity ``dq_o``."""
-        task = self.regrasp
-        start = np.concatenate([task.q_o_start + 0.5 * dq_o * task.T1, dq_o])
-
-        def rate(t: float, state: FloatArray) -> FloatArray:
-            r_b = self._relative(np.array([task.T1 + t]))[0][0]
-            ddq_o = sliding_acceleration(self.block, self.finger, state[2], r_b, task.ddr)
-            return np.concatenate([state[3:], ddq_o])
-
-        return solve_ivp(rate, (0.0, task.T23), start, "DOP853", dense_output=True, rtol=1e-12, atol=1e-14).sol
-
-    def _velocity_for(self, sliding: OdeSolution, omega: float = 0.0) -> FloatArray:
-        """Velocity at the start of sliding that ends where it should, from a slide that began with ``omega`` alone."""
-        task = self.regrasp
-        end = sliding(task.T23)
-        missed = object_pose(task.q_f_end, task.r_goal) - (end[:3] + 0.5 * end[3:] * task.T4)
-        gain = 0.5 * task.T1 + task.T23 + 0.5 * task.T4
-        return np.asarray(np.array([0.0, 0.0, omega]) + missed / gain)
-
-    def _object(self, time_s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        task, (_, t_slide, _, t_settle, t_end) = self.regrasp, self.regrasp.boundaries
-        sliding = self._sliding(np.clip(time_s - t_slide, 0.0, task.T23)).T
-        t1 = np.clip(time_s, 0.0, t_slide)[:, None]
-        t4 = np.clip(time_s - t_settle, 0.0, task.T4)[:, None]
-        before, after = (time_s < t_slide)[:, None], (time_s >= t_settle)[:, None]
-        rest = (time_s >= t_end)[:, None]
-        q_o = np.where(before, task.q_o_start + 0.5 * self.ddq_o_stick * t1**2, sliding[:, :3])
-        dq_o = np.where(before, self.ddq_o_stick * t1, sliding[:, 3:])
-        q_o = q_o + np.where(after, sliding[:, 3:] * t4 + 0.5 * self.ddq_o_settle * t4**2, 0.0)
-        dq_o = dq_o + np.where(after, self.ddq_o_settle * t4, 0.0)
-        r_b = self._relative(time_s)[0]
-        slide = sliding_acceleration(self.block, self.finger, q_o[:, 2], r_b, task.ddr)
-        ddq_o = np.where(before, self.ddq_o_stick, np.where(after, self.ddq_o_settle, slide))
-        return q_o, np.where(rest, 0.0, dq_o), np.where(rest, 0.0, ddq_o)
-
-    def _relative(self, time_s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        task, half = self.regrasp, 0.5 * self.regrasp.T23
-        t = np.clip(time_s - task.T1, 0.0, task.T23)[:, None]
-        back = task.T23 - t
-        r_b = np.where(t < half, task.r_start + 0.5 * task.ddr * t**2, task.r_goal - 0.5 * task.ddr * back**2)
-        dr_b = task.ddr * np.minimum(t, back)
-        _, t_slide, t_switch, t_settle, _ = task.boundaries
-        sign = np.where((time_s >= t_slide) & (time_s < t_switch), 1.0, 0.0)
-        sign = np.where((time_s >= t_switch) & (time_s < t_settle), -1.0, sign)
-        return r_b, dr_b, sign[:, None] * task.ddr
-
-
-def _on_boundaries(time_s: FloatArray, boundaries: FloatArray) -> FloatArray:
-    """Times with those that miss a boundary by rounding alone moved onto it, so that they fall into its phase."""
-    nearest = boundaries[np.argmin(np.abs(time_s[:, None] - boundaries), axis=1)]
-    return np.where(np.abs(time_s - nearest) < ROUNDING_S, nearest, time_s)
+        fingers = (PlacedFinger(finger, np.zeros(2)),)
+        super().__init__(course_of(regrasp, block, fingers), block, fingers)
+        self.regrasp = regrasp
+        self.dq_o_slide = self.course.dq_o_slide
+        ends = self.sample(regrasp.boundaries[[0, 3]]).ddq_o
+        self.ddq_o_stick, self.ddq_o_settle = ends

@@ -29,10 +29,10 @@ def expect(plan: Plan, belief: FrictionBelief, past: tuple[PastTrial, ...], expe
     random = np.random.default_rng([experiment.lab.seed, len(past) + 1])
     miss = model_miss(past, belief, experiment)
     kappa = _kappa(belief, experiment, random)
-    start = plan.regrasp.r_start + random.standard_normal((DRAWS, 3)) * _start_std(past[-1].estimate)
-    hand = SampledHand(plan.motion.time_s, plan.motion.q_f, plan.regrasp.boundaries)
+    start = plan.course.r_start + random.standard_normal((DRAWS, 3)) * _start_std(past[-1].estimate)
+    hand = SampledHand(plan.motion.time_s, plan.motion.q_f, plan.course.boundaries)
     told = predict(hand, block(experiment), experiment.rho_m, kappa=kappa, r_start=start)
-    reach = slide_distance(plan.regrasp.r_start, plan.regrasp.r_goal, experiment.rho_m)
+    reach = slide_distance(plan.course.r_start, plan.course.r_goal, experiment.rho_m)
     wrong = random.standard_normal((DRAWS, 3)) * miss * reach / np.array([1.0, 1.0, experiment.rho_m])
     error = told.r_f_b - vector(experiment.goal.relative_pose) + wrong
     position, angle = np.hypot(error[:, 0], error[:, 1]), np.abs(error[:, 2])

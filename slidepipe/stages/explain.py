@@ -65,7 +65,7 @@ def _changes(
         low, high = belief.interval
         said.append(f"the motion is the best in the worst of the next trial's friction, [{low:.4f}, {high:.4f}]")
     slide = last.plan.slide
-    said.append(f"slide of {1e3 * (slide.stop_s - slide.start_s):.0f} ms -> {1e3 * plan.regrasp.T23:.0f} ms")
+    said.append(f"slide of {1e3 * (slide.stop_s - slide.start_s):.0f} ms -> {1e3 * plan.course.T23:.0f} ms")
     if correction is not None:
         said.append(_arm_said(correction, len(past)))
     return said

@@ -17,7 +17,7 @@ from slidepipe.artifacts.values import UncertainPose
 from slidepipe.artifacts.why import WhyDocument
 from slidepipe.errors import RefusedError
 from slidepipe.planning.planner import Plan
-from slidepipe.planning.replan import FrictionInterval, replan
+from slidepipe.planning.replan import FrictionInterval
 from slidepipe.series import FloatArray
 from slidepipe.stages.belief import FrictionBelief, believe
 from slidepipe.stages.estimate import ESTIMATE
@@ -25,9 +25,10 @@ from slidepipe.stages.execute import RECORDING
 from slidepipe.stages.explain import explain, reason_of
 from slidepipe.stages.goal import miss, within_tolerance
 from slidepipe.stages.learn import correction_document, learn, with_correction
+from slidepipe.stages.motions import next_plan
 from slidepipe.stages.past import PastTrial, past_trials
 from slidepipe.stages.plan_files import EXPERIMENT, PLAN, Occasion, write_plan
-from slidepipe.stages.translate import first_regrasp, setup, vector
+from slidepipe.stages.translate import vector
 
 STAGE, STAGE_VERSION = "iterate", 2
 WHY, ARM = "why", "arm"
@@ -136,5 +137,5 @@ def _choose(
     belief: FrictionBelief, r_now: FloatArray, experiment: Experiment, correction: ArmCorrection | None
 ) -> Plan:
     interval = None if belief.interval is None else FrictionInterval(*belief.interval)
-    plan = replan(first_regrasp(experiment), r_now, setup(experiment, belief.friction), interval)
+    plan = next_plan(experiment, r_now, belief.friction, interval)
     return plan if correction is None else with_correction(plan, correction, experiment)

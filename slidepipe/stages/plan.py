@@ -9,21 +9,26 @@ from slidepipe.artifacts.run import Run, outside_input
 from slidepipe.artifacts.schema import parse
 from slidepipe.artifacts.store import Store
 from slidepipe.artifacts.strict_yaml import load
-from slidepipe.planning.planner import plan
+from slidepipe.stages.motions import first_plan, resolved
 from slidepipe.stages.plan_files import EXPERIMENT, PLAN, Occasion, write_plan
-from slidepipe.stages.translate import first_regrasp, setup
+from slidepipe.stages.plan_picture import picture_plan
 
-STAGE, STAGE_VERSION = "plan", 1
+STAGE, STAGE_VERSION = "plan", 2
+FIGURE, FIGURE_FILE = "figure", "plan.png"
 
 
 @dataclass(frozen=True, slots=True)
 class PlanRequest:
-    """Which experiment to plan; ``overrides`` are ``key.key=value``, ``force`` plans again what was planned before."""
+    """Which experiment to plan; ``overrides`` are ``key.key=value``, ``force`` plans again what was planned before.
+
+    ``figure`` draws the plan, too.
+    """
 
     experiment: Path
     store: Store
     overrides: tuple[str, ...] = ()
     force: bool = False
+    figure: bool = False
     command: tuple[str, ...] = ()
 
 
@@ -51,7 +56,7 @@ def run(request: PlanRequest) -> PlanResult:
         stage=STAGE,
         stage_version=STAGE_VERSION,
         experiment=experiment.name,
-        parameters=experiment.model_dump(mode="json"),
+        parameters=experiment.model_dump(mode="json") | ({"figure": True} if request.figure else {}),
         inputs=(outside_input(EXPERIMENT, request.experiment),),
         command=request.command,
     )
@@ -59,7 +64,10 @@ def run(request: PlanRequest) -> PlanResult:
     if known is not None:
         return PlanResult(known, parse(PlanDocument, load(known.file(PLAN))), reused=True)
     with draft:
-        chosen = plan(first_regrasp(experiment), setup(experiment, experiment.friction))
-        occasion = Occasion(1, "the experiment's own motion", None, experiment.friction, None)
-        document = write_plan(draft, chosen, experiment, occasion)
+        chosen = first_plan(experiment)
+        reason = "the planner's choice" if experiment.motion.chosen_by_planner else "the experiment's own motion"
+        occasion = Occasion(1, reason, None, experiment.friction, None)
+        document = write_plan(draft, chosen, resolved(experiment, chosen), occasion)
+        if request.figure:
+            picture_plan(chosen, f"{experiment.name}: {document.objective}", draft.add(FIGURE, FIGURE_FILE))
     return PlanResult(draft.run, document, reused=False)

@@ -19,11 +19,11 @@ from slidepipe.errors import RefusedError
 from slidepipe.mechanics.hand_motion import HandMotion
 from slidepipe.mechanics.limit_surface import SoftFinger
 from slidepipe.mechanics.simulate import Ended, simulate
-from slidepipe.planning.planner import plan
-from slidepipe.planning.three_phase import ThreePhaseMotion
+from slidepipe.planning.course import CourseMotion
 from slidepipe.stages import campaign
 from slidepipe.stages.goal import error_of, within_tolerance
-from slidepipe.stages.translate import block, first_regrasp, scattered, setup, vector
+from slidepipe.stages.motions import first_plan
+from slidepipe.stages.translate import block, scattered, vector
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,7 +153,5 @@ class _PlanKey:
 @lru_cache(maxsize=16)
 def _hand(key: _PlanKey) -> HandMotion:
     """Hand's motion of the experiment's first plan."""
-    experiment = key.experiment
-    grip = setup(experiment, experiment.friction)
-    regrasp = plan(first_regrasp(experiment), grip).regrasp
-    return ThreePhaseMotion(regrasp, grip.block, grip.finger).hand_motion()
+    chosen = first_plan(key.experiment)
+    return CourseMotion(chosen.course, chosen.setup.block, chosen.setup.fingers).hand_motion()

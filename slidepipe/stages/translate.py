@@ -1,5 +1,7 @@
 """From the words of the experiment file to the values that the rooms work with."""
 
+from typing import Any
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -66,20 +68,39 @@ def setup(experiment: Experiment, friction: float) -> Setup:
             joint_torque_n_m=np.array(arm.limits.joint_torque_n_m),
             tip_speed_m_s=arm.limits.tip_speed_m_s,
             elbow_speed_m_s=arm.limits.elbow_speed_m_s,
+            **_optional_limits(experiment),
         ),
+        places=None if grasp.places is None else np.array([[p.x_m, p.y_m, p.force_share] for p in grasp.places]),
     )
 
 
+def _optional_limits(experiment: Experiment) -> dict[str, Any]:
+    """Limits that an experiment may leave out."""
+    given, region = experiment.arm.limits, experiment.goal.hand_region
+    found: dict[str, Any] = {}
+    if given.hand_acceleration_m_s2 is not None:
+        found["hand_acceleration_m_s2"] = given.hand_acceleration_m_s2
+    if given.joint_acceleration_rad_s2 is not None:
+        found["joint_acceleration_rad_s2"] = np.array(given.joint_acceleration_rad_s2)
+    if region is not None:
+        found |= {"region_centre_m": np.array([region.centre_x_m, region.centre_y_m])}
+        found |= {"region_radius_m": region.radius_m}
+    return found
+
+
 def first_regrasp(experiment: Experiment) -> Regrasp:
-    """The motion that the experiment asks for."""
+    """The motion that an experiment asks for by its times."""
+    times, hand_pose = experiment.motion.times, experiment.goal.hand_pose
+    if hand_pose is None:
+        raise InputError("goal.hand_pose: is required where the times of the motion are given")
     return Regrasp(
         q_o_start=vector(experiment.start.object_pose),
         r_start=vector(experiment.start.relative_pose),
         r_goal=vector(experiment.goal.relative_pose),
-        q_f_end=vector(experiment.goal.hand_pose),
-        T1=experiment.motion.stick_s,
-        T23=experiment.motion.slide_s,
-        T4=experiment.motion.settle_s,
+        q_f_end=vector(hand_pose),
+        T1=times.stick_s,
+        T23=times.slide_s,
+        T4=times.settle_s,
     )
 
 
@@ -110,6 +131,8 @@ def world(experiment: Experiment) -> WorldSettings:
         raise InputError(
             f"grasp.finger_count: the simulated lab's gripper has {PINCH} fingers, got {experiment.grasp.finger_count}"
         )
+    if experiment.grasp.places is not None:
+        raise InputError("grasp.places: the simulated lab's gripper presses at the hand's origin alone: leave it out")
     return WorldSettings(
         block_size_m=np.array([thing.size_x_m, thing.size_y_m, thing.thickness_m]),
         block_mass_kg=thing.mass_kg,

@@ -1,14 +1,13 @@
 """Inverse kinematics checked by the Denavit-Hartenberg product, and derivatives checked by analytic paths."""
 
 import re
-from itertools import pairwise
 
 import numpy as np
 import pytest
 from scipy.linalg import null_space
 from wam_by_hand import LOWER, UPPER, hand_frame, jacobian
 
-from slidepipe.arm.inverse_kinematics import HandPath, InverseKinematics, differentiate
+from slidepipe.arm.inverse_kinematics import HandPath, InverseKinematics, JointPath, joint_path
 from slidepipe.arm.model import Tool, nominal_model
 from slidepipe.errors import InfeasibleError
 from slidepipe.mechanics.planar import MotionPlane
@@ -33,7 +32,9 @@ def path() -> HandPath:
 
 @pytest.fixture(scope="module")
 def joints(path: HandPath) -> np.ndarray:
-    return InverseKinematics(nominal_model(TOOL), POSTURE).solve(path)
+    inverse = InverseKinematics(nominal_model(TOOL), POSTURE)
+    inverse.approach(path)
+    return inverse.solve(path)
 
 
 def test_the_hand_reaches_every_pose(path: HandPath, joints: np.ndarray) -> None:
@@ -73,7 +74,9 @@ def test_a_pose_out_of_reach_is_named_by_its_time() -> None:
     assert re.search(how_far, str(no.value))
     assert "\n" not in str(no.value)
     before = failed - 1e-9 > TIME
-    joints = inverse.solve(HandPath(TIME[before], asked.position_m[before], asked.matrix[before]))
+    reachable = HandPath(TIME[before], asked.position_m[before], asked.matrix[before])
+    inverse.approach(reachable)
+    joints = inverse.solve(reachable)
     assert len(joints) == np.count_nonzero(before), "every pose before the one that is named can be reached"
 
 
@@ -84,37 +87,41 @@ def test_a_posture_within_the_limits_does_not_make_an_unreachable_turn_reachable
         InverseKinematics(nominal_model(TOOL), POSTURE).solve(HandPath(TIME, *PLANE.lift(poses)))
 
 
-def piecewise(time_s: np.ndarray, boundaries_s: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Angle, speed and acceleration of one joint whose acceleration is another sine in every piece."""
-    q, dq = 0.3, -0.2
-    angle, speed, acceleration = (np.empty_like(time_s) for _ in range(3))
-    for piece, (start, end) in enumerate(pairwise(boundaries_s)):
-        size, rate = 5.0 * (-1) ** piece, 4.0 + piece
-
-        def motion(t: np.ndarray, q: float, dq: float, size: float, rate: float) -> tuple[np.ndarray, ...]:
-            swing = size * np.cos(rate * t)
-            return q + dq * t + (size - swing) / rate**2, dq + size * np.sin(rate * t) / rate, swing
-
-        here = time_s >= start - 1e-9
-        angle[here], speed[here], acceleration[here] = motion(time_s[here] - start, q, dq, size, rate)
-        q, dq, _ = motion(end - start, q, dq, size, rate)
-    return angle, speed, acceleration
+def hopping(time_s: np.ndarray) -> HandPath:
+    """A path along the plane whose acceleration jumps at 0.1 s, while the hand turns."""
+    back = np.maximum(time_s - 0.1, 0.0)
+    poses = np.column_stack([3.0 * time_s**2 - 9.0 * back**2, 0.2 * np.sin(5.0 * time_s), np.pi + 0.5 * time_s])
+    return HandPath(time_s, *PLANE.lift(poses))
 
 
-def test_derivatives_are_exact_on_both_sides_of_a_jump() -> None:
-    time_s, boundaries_s = np.arange(401) * 0.002, np.array([0.0, 0.3, 0.4, 0.5, 0.8])
-    angle, speed, acceleration = piecewise(time_s, boundaries_s)
-    assert np.min(np.abs(acceleration[[150, 200, 250]] - acceleration[[149, 199, 249]])) > 1.0
-    found = differentiate(time_s, np.tile(angle[:, None], 7), boundaries_s)
-    np.testing.assert_array_equal(found.position_rad[:, 3], angle)
-    for joint in (0, 6):
-        np.testing.assert_allclose(found.velocity_rad_s[:, joint], speed, atol=1e-9)
-        np.testing.assert_allclose(found.acceleration_rad_s2[:, joint], acceleration, atol=1e-6)
+@pytest.fixture(scope="module")
+def smooth() -> JointPath:
+    kinematics = InverseKinematics(nominal_model(TOOL), POSTURE)
+    return joint_path(kinematics, hopping, TIME, np.array([0.0, 0.1, TIME[-1]]))
 
 
-def test_a_boundary_that_is_not_told_is_smeared() -> None:
-    """The control: without its boundary the same jump cannot be followed."""
-    time_s, boundaries_s = np.arange(401) * 0.002, np.array([0.0, 0.3, 0.4, 0.5, 0.8])
-    angle, _, acceleration = piecewise(time_s, boundaries_s)
-    found = differentiate(time_s, np.tile(angle[:, None], 7), boundaries_s[[0, 1, 3, 4]])
-    assert np.max(np.abs(found.acceleration_rad_s2[:, 0] - acceleration)) > 0.5
+def test_between_the_points_that_are_solved_for_the_hand_is_on_its_path(smooth: JointPath) -> None:
+    asked = hopping(TIME)
+    for angles, position, matrix in zip(smooth.position_rad, asked.position_m, asked.matrix, strict=True):
+        frame = hand_frame(angles, TOOL.length_m, TOOL.angle_rad)
+        assert np.linalg.norm(frame[:3, 3] - position) < 2e-7
+        assert np.linalg.norm(frame[:3, :3] - matrix) < 2e-6
+
+
+def test_speeds_and_accelerations_are_the_derivatives_on_both_sides_of_a_jump(smooth: JointPath) -> None:
+    step, jump = TIME[1], 50
+    for piece in (slice(0, jump), slice(jump, len(TIME))):
+        angles, speeds, accelerations = (
+            values[piece] for values in (smooth.position_rad, smooth.velocity_rad_s, smooth.acceleration_rad_s2)
+        )
+        np.testing.assert_allclose(speeds[1:-1], (angles[2:] - angles[:-2]) / (2 * step), atol=2e-3)
+        second = (angles[2:] - 2 * angles[1:-1] + angles[:-2]) / step**2
+        np.testing.assert_allclose(accelerations[1:-1], second, atol=0.05)
+    assert np.max(np.abs(smooth.acceleration_rad_s2[jump] - smooth.acceleration_rad_s2[jump - 1])) > 5.0
+
+
+def test_a_jump_that_is_not_told_is_no_smooth_path() -> None:
+    """The control: no polynomial converges across it."""
+    kinematics = InverseKinematics(nominal_model(TOOL), POSTURE)
+    with pytest.raises(InfeasibleError, match=r"do not move smoothly between t = 0\.000 s and 0\.200 s"):
+        joint_path(kinematics, hopping, TIME, TIME[[0, -1]])

@@ -25,6 +25,7 @@ def test_plan(call, stages) -> None:
         "store": Store(Path("data")),
         "overrides": ("friction=0.4", "lab.seed=2"),
         "force": True,
+        "figure": False,
         "command": ("slidepipe", "plan", "e.yaml", "--set", "friction=0.4", "--set", "lab.seed=2", "--force"),
     }
 

@@ -100,7 +100,7 @@ def run_trial(plan: Plan, setup: Setup, tracker: Tracker, *, seed: int = 1, fric
         tracker,
         CAMERAS,
         asked.position_rad[0],
-        plan.regrasp.r_start,
+        plan.course.r_start,
         random=np.random.default_rng(seed),
     )
     notes = Notes()

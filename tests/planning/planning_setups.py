@@ -7,6 +7,8 @@ from free_block import FreeBlock
 from paper_cases import BLOCK, LINEAR, ROTATIONAL, linear_finger, rotational_finger
 
 from slidepipe.mechanics.limit_surface import SoftFinger
+from slidepipe.mechanics.planar import finger_pose
+from slidepipe.planning.course import Course
 from slidepipe.planning.three_phase import Regrasp, ThreePhaseMotion
 
 CASES = {"linear": (LINEAR, linear_finger), "rotational": (ROTATIONAL, rotational_finger)}
@@ -16,6 +18,12 @@ def dense(boundaries_s: np.ndarray, step_s: float = 1e-3) -> np.ndarray:
     """Times about a step apart, every boundary among them."""
     pieces = [np.linspace(a, b, round((b - a) / step_s) + 1) for a, b in pairwise(boundaries_s)]
     return np.unique(np.concatenate(pieces))
+
+
+def as_regrasp(course: Course) -> Regrasp:
+    """What a course with given times answers."""
+    q_f_end = finger_pose(course.q_o_end, course.r_goal)
+    return Regrasp(course.q_o_start, course.r_start, course.r_goal, q_f_end, course.T1, course.T23, course.T4)
 
 
 def slide_freely(

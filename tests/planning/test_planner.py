@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 from paper_cases import LINEAR, linear_setup, rotational_setup
+from planning_setups import as_regrasp
 
 from slidepipe.arm.model import HAND, nominal_model
 from slidepipe.errors import InfeasibleError, InputError
@@ -21,10 +22,10 @@ def planned(request: pytest.FixtureRequest) -> tuple[Plan, Setup]:
 
 def test_a_reference_has_a_sample_for_every_tick(planned: tuple[Plan, Setup]) -> None:
     chosen, _ = planned
-    count = round(chosen.regrasp.boundaries[-1] / 0.002) + 1
+    count = round(chosen.course.boundaries[-1] / 0.002) + 1
     np.testing.assert_allclose(chosen.joints.time_s, np.arange(count) * 0.002, atol=1e-12)
     assert chosen.joints.position_rad.shape == chosen.load.feedforward_n_m.shape == (count, 7)
-    for boundary in chosen.regrasp.boundaries:
+    for boundary in chosen.course.boundaries:
         assert np.any(chosen.motion.time_s == boundary)
 
 
@@ -48,16 +49,16 @@ def test_the_joints_put_the_hand_where_the_motion_has_it(planned: tuple[Plan, Se
 
 def test_a_plan_keeps_the_choice_that_it_made(planned: tuple[Plan, Setup]) -> None:
     chosen, _ = planned
-    slide, settle = (np.argmax(chosen.motion.time_s >= t) for t in chosen.regrasp.boundaries[[1, 3]])
-    np.testing.assert_allclose(chosen.dq_o_slide, chosen.motion.dq_o[slide], atol=1e-12)
-    np.testing.assert_allclose(chosen.ddq_o_stick, chosen.motion.ddq_o[0])
-    np.testing.assert_allclose(chosen.ddq_o_settle, chosen.motion.ddq_o[settle])
+    slide = np.argmax(chosen.motion.time_s >= chosen.course.slide_s)
+    np.testing.assert_allclose(chosen.course.dq_o_slide, chosen.motion.dq_o[slide], atol=1e-12)
+    np.testing.assert_allclose(chosen.course.q_o_slide, chosen.motion.q_o[slide], atol=1e-12)
+    np.testing.assert_allclose(chosen.course.q_o_end, chosen.motion.q_o[-1], atol=1e-12)
 
 
 def test_the_stick_load_is_the_larger_of_the_two_margins(planned: tuple[Plan, Setup]) -> None:
     chosen, setup = planned
     used = [check.value for check in chosen.margins if check.name.startswith("share of the friction")]
-    assert stick_load(chosen.regrasp, setup) == pytest.approx(max(used), rel=1e-12)
+    assert stick_load(as_regrasp(chosen.course), setup) == pytest.approx(max(used), rel=1e-12)
 
 
 @pytest.mark.parametrize("times", [{"T1": 0.301}, {"T23": 0.202}, {"T4": 1.0999}, {"T1": 0.301, "T4": 1.099}])

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from rich.console import RenderableType
 from rich.table import Table
 
-from slidepipe.artifacts.plan import LimitCheck, PlanDocument, Slide
+from slidepipe.artifacts.plan import LimitCheck, PlanDocument, Robustness, Slide
 from slidepipe.artifacts.run import Run
 from slidepipe.cli.views.tables import NONE, columns, facts, fixed, heading, length_mm, number, planar
 
@@ -25,8 +25,31 @@ def plan_view(plan: PlanDocument, run: Run, *, all_limits: bool) -> list[Rendera
         "",
         _limits(_chosen(plan, all_limits=all_limits)),
         "",
-        str(run.directory / "plan.yaml"),
+        *_robustness(plan.robustness),
+        *(str(run.file(output.role)) for output in run.manifest.outputs if output.role in ("plan", "figure")),
     ]
+
+
+def _robustness(told: Robustness | None) -> list[RenderableType]:
+    """What wrong friction does to the plan, and where the finger then ends."""
+    if told is None:
+        return []
+    rows = [
+        ("friction error survived", f"±{100 * told.friction_error:.1f} %"),
+        ("  less friction", f"-{100 * told.below:.1f} %, then {told.binds_below}"),
+        ("  more friction", f"+{100 * told.above:.1f} %, then {told.binds_above}"),
+        (
+            f"  within ±{100 * told.contraction_within:.0f} %",
+            f"at most {100 * told.contraction:.0f} % of the way is left for the next trial",
+        ),
+    ]
+    names = ("friction", "x mm", "y mm", "theta mrad", "left %")
+    table = columns(*names, "outcome", numbers=names)
+    for point in told.map:
+        outcome = "survived" if point.survived else "failed"
+        values = planar(point.relative_pose.vector)
+        table.add_row(f"{point.friction:.3f}", *values, f"{100 * point.error_share:.0f}", outcome)
+    return [facts(rows), "", table, ""]
 
 
 def _facts(plan: PlanDocument) -> Table:
@@ -38,9 +61,12 @@ def _facts(plan: PlanDocument) -> Table:
         friction += f" ± {believed.friction_std:.4f}"
     rows = [
         ("reason", plan.reason),
+        *([("best at", plan.objective)] if plan.objective else []),
         ("believed", f"{friction}, kappa {kappa}, rho {length_mm(believed.rho_m)} mm"),
         ("object at the start of sliding", f"x {fixed(x, 3)} m/s, y {fixed(y, 3)} m/s, theta {fixed(theta, 3)} rad/s"),
     ]
+    if plan.normal_force_n is not None:
+        rows.append(("normal force", number(plan.normal_force_n, "N")))
     if plan.previous_estimate:
         rows.insert(1, ("from estimate", plan.previous_estimate))
     return facts(rows)
@@ -70,11 +96,13 @@ def _phases(plan: PlanDocument) -> Table:
 
 def _add_halves(table: Table, slide: Slide) -> None:
     """Two halves of the bang-bang slide."""
-    for name, start, stop, sign in (
-        ("  starting", slide.start_s, slide.switch_s, 1.0),
-        ("  braking", slide.switch_s, slide.stop_s, -1.0),
+    tearing = slide.relative_acceleration
+    braking = slide.braking_acceleration or tuple(-value for value in tearing)
+    for name, start, stop, values in (
+        ("  starting", slide.start_s, slide.switch_s, tearing),
+        ("  braking", slide.switch_s, slide.stop_s, braking),
     ):
-        numbers = [fixed(sign * value, 3) for value in slide.relative_acceleration]
+        numbers = [fixed(value, 3) for value in values]
         table.add_row(name, fixed(start, 3), fixed(stop, 3), *numbers, "the finger on the object")
 
 
