@@ -18,6 +18,7 @@ from slidepipe.artifacts.values import Pose
 from slidepipe.errors import RefusedError
 from slidepipe.mechanics.hand_motion import HandMotion
 from slidepipe.mechanics.limit_surface import SoftFinger
+from slidepipe.mechanics.rounded_hand import rounded
 from slidepipe.mechanics.simulate import Ended, simulate
 from slidepipe.planning.course import CourseMotion
 from slidepipe.stages import campaign
@@ -154,4 +155,4 @@ class _PlanKey:
 def _hand(key: _PlanKey) -> HandMotion:
     """Hand's motion of the experiment's first plan."""
     chosen = first_plan(key.experiment)
-    return CourseMotion(chosen.course, chosen.setup.block, chosen.setup.fingers).hand_motion()
+    return rounded(CourseMotion(chosen.course, chosen.setup.block, chosen.setup.fingers).hand_motion())
