@@ -18,9 +18,13 @@ Share = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
 class SweepTry(Record):
-    """One trial in one world: error of the true final relative pose from the goal; null where the object was lost."""
+    """One trial in one world: error of the true final relative pose from the goal; null where the object was lost.
+
+    ``said_worse`` is whether the trial was told to have left more than there was before it.
+    """
 
     error: Pose | None
+    said_worse: bool = False
 
 
 class SweepTrialDocument(Artifact):

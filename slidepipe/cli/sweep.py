@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     "Run an experiment in many worlds: drawn, listed, or both.\n\n"
     "KEY=LOW..HIGH is drawn anew for each world, KEY=[A, B] makes a grid, KEY=VALUE holds for all. "
     "Each world is a run of its own; worlds that were tried before are not tried again.",
-    example="slidepipe sweep experiments/regrasp.yaml --set lab.friction=0.36..0.44 --trials 20",
+    example="slidepipe sweep experiments/regrasp.yaml --set lab.friction=0.36..0.44",
     exits={},
 )
 @click.argument("experiment", metavar="EXPERIMENT.yaml", type=click.Path(path_type=Path))

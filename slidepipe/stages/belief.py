@@ -18,6 +18,9 @@ from slidepipe.stages.translate import block, hand_in_plane, vector
 TRIED = 60
 """Frictions that are tried to find out how little an object that was lost can have had."""
 
+SAME_GRIP_SHARE = 0.02
+"""How far the friction of trials in one grip usually lies apart, before trials tell."""
+
 
 @dataclass(frozen=True, slots=True)
 class FrictionBelief:
@@ -44,7 +47,8 @@ def believe(past: tuple[PastTrial, ...], way: Way, experiment: Experiment) -> Fr
     told = [one.estimate.friction.kappa_m_s2 for one in past if one.estimate.friction is not None]
     if told:
         share = experiment.object.mass_kg / experiment.grasp.normal_force_n
-        pooled = pool(np.array([one.value for one in told]), np.array([one.std for one in told]))
+        values, stds = np.array([one.value for one in told]), np.array([one.std for one in told])
+        pooled = pool(values, stds, between_scale=SAME_GRIP_SHARE)
         low, high = pooled.predictive_interval_95
         trials = "1 trial" if len(told) == 1 else f"{len(told)} trials pooled"
         return FrictionBelief(share * pooled.mean, share * pooled.std, (share * low, share * high), trials)

@@ -58,11 +58,16 @@ def run(request: CampaignRequest) -> CampaignResult:
     return campaign_files.publish(request.store, request.experiment, experiment, end, request.command)
 
 
-def play(request: CampaignRequest) -> CampaignDocument:
-    """Run the whole loop as :func:`run` does, and publish neither the table nor the pictures."""
+def play(request: CampaignRequest, tip: Tip | None = None) -> CampaignDocument:
+    """Run the whole loop as :func:`run` does, and publish neither the table nor the pictures.
+
+    With ``tip`` it goes on from a trial that was executed before, of the same experiment.
+    """
     experiment = load_experiment(request.experiment, request.overrides)
-    first = plan.run(plan.PlanRequest(request.experiment, request.store, request.overrides, command=request.command))
-    return campaign_files.campaign_document(experiment, _loop(request, experiment, _begin(request, first.run)))
+    if tip is None:
+        asked = plan.PlanRequest(request.experiment, request.store, request.overrides, command=request.command)
+        tip = _begin(request, plan.run(asked).run)
+    return campaign_files.campaign_document(experiment, _loop(request, experiment, tip))
 
 
 def _begin(request: CampaignRequest, first: Run) -> Tip:
@@ -79,7 +84,7 @@ def _begin(request: CampaignRequest, first: Run) -> Tip:
 
 def _loop(request: CampaignRequest, experiment: Experiment, tip: Tip) -> CampaignEnd:
     limit = request.trials or experiment.iteration.max_trials
-    resumed = tip.trial_run is not None
+    resumed = request.resume and tip.trial_run is not None
     while True:
         told = _told(request, tip)
         past = past_trials(request.store, told.id)

@@ -6,6 +6,7 @@ import numpy as np
 
 from slidepipe.artifacts.experiment import Experiment
 from slidepipe.artifacts.values import Pose
+from slidepipe.errors import InfeasibleError
 from slidepipe.planning.automatic import plan_automatically
 from slidepipe.planning.planner import Plan, plan
 from slidepipe.planning.replan import FrictionInterval, replan
@@ -13,6 +14,9 @@ from slidepipe.planning.search import Task
 from slidepipe.planning.wish import WEIGHTS, Objective, Weights, Wish
 from slidepipe.series import FloatArray
 from slidepipe.stages.translate import first_regrasp, setup, vector
+
+LESS_DOUBT = (0.5, 0.0)
+"""Shares of the friction's doubt that a later plan is to survive where no motion survives all of it."""
 
 
 def first_plan(experiment: Experiment) -> Plan:
@@ -33,7 +37,8 @@ def next_plan(experiment: Experiment, r_now: FloatArray, friction: float, interv
     """The plan of a later trial, from where the last one ended and what is now believed.
 
     The planner's own motion must survive what is left of the friction's interval, no more: a short slide cannot survive
-    as much as a long one.
+    as much as a long one. Where none does, the object may also start at another angle, for the hand moves to its start
+    anyway; then the motion need survive less.
 
     Raises
     ------
@@ -47,7 +52,16 @@ def next_plan(experiment: Experiment, r_now: FloatArray, friction: float, interv
     if interval is not None:
         doubt = max(friction - interval.low, interval.high - friction) / friction
         asked = replace(asked, friction_error=min(asked.friction_error, doubt))
-    return plan_automatically(replace(task(experiment), r_start=np.asarray(r_now, dtype=float)), believed, asked)
+    from_here = replace(task(experiment), r_start=np.asarray(r_now, dtype=float))
+    turned = replace(asked, angle_free=True)
+    eased = [replace(turned, friction_error=share * asked.friction_error) for share in LESS_DOUBT]
+    refusals = []
+    for wanted in (asked, turned, *eased):
+        try:
+            return plan_automatically(from_here, believed, wanted)
+        except InfeasibleError as refusal:
+            refusals.append(refusal)
+    raise refusals[0]
 
 
 def task(experiment: Experiment) -> Task:

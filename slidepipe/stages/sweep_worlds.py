@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from slidepipe.artifacts.campaign import CampaignDocument
 from slidepipe.artifacts.experiment import Experiment
 from slidepipe.artifacts.overrides import apply_overrides
 from slidepipe.artifacts.schema import parse
@@ -17,6 +18,7 @@ from slidepipe.artifacts.values import Pose
 from slidepipe.errors import RefusedError
 from slidepipe.mechanics.hand_motion import HandMotion
 from slidepipe.mechanics.limit_surface import SoftFinger
+from slidepipe.mechanics.rounded_hand import rounded
 from slidepipe.mechanics.simulate import Ended, simulate
 from slidepipe.planning.course import CourseMotion
 from slidepipe.stages import campaign
@@ -95,12 +97,19 @@ def _in_lab(task: SweepTask, document: YamlDocument, world: World) -> SweepTrial
             table = campaign.play(request)
         except RefusedError as refusal:
             return _document(task, world, experiment, outcome="no plan", why_ended="; ".join(refusal.lines))
-    tries = [
-        SweepTry(error=None if row.outcome == "lost" or true is None else error_of(true, experiment))
+    tries = tries_of(table, experiment)
+    return _document(task, world, experiment, *tries, outcome=table.outcome, why_ended=table.stopped_because)
+
+
+def tries_of(table: CampaignDocument, experiment: Experiment) -> list[SweepTry]:
+    """What each trial of a campaign truly left."""
+    return [
+        SweepTry(
+            error=None if row.outcome == "lost" or true is None else error_of(true, experiment), said_worse=row.worse
+        )
         for row in table.rows
         for true in (row.true_relative_pose,)
     ]
-    return _document(task, world, experiment, *tries, outcome=table.outcome, why_ended=table.stopped_because)
 
 
 def _silent(_: str) -> None:
@@ -146,4 +155,4 @@ class _PlanKey:
 def _hand(key: _PlanKey) -> HandMotion:
     """Hand's motion of the experiment's first plan."""
     chosen = first_plan(key.experiment)
-    return CourseMotion(chosen.course, chosen.setup.block, chosen.setup.fingers).hand_motion()
+    return rounded(CourseMotion(chosen.course, chosen.setup.block, chosen.setup.fingers).hand_motion())

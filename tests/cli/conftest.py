@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner, Result
 
-from cli import samples
+from cli import campaign_samples, samples
 from slidepipe.artifacts.run import Run
 from slidepipe.artifacts.schema import Artifact, dump_model
 from slidepipe.cli.main import cli
@@ -46,12 +46,14 @@ class FakeStages:
 @pytest.fixture(autouse=True)
 def stages(monkeypatch: pytest.MonkeyPatch) -> FakeStages:
     fakes = FakeStages()
-    for stage in ("plan", "execute", "estimate", "iterate", "campaign"):
+    for stage in ("plan", "execute", "estimate", "iterate", "campaign", "repeat", "sweep"):
         monkeypatch.setitem(sys.modules, f"slidepipe.stages.{stage}", fakes.module(stage))
     fakes.answer("plan", run=samples.plan_run(), document=samples.plan(), reused=False)
     fakes.answer("execute", run=samples.run(samples.TRIAL, "execute"), document=samples.trial(), truth=samples.truth())
     fakes.answer("estimate", run=samples.run(samples.ESTIMATE, "estimate"), document=samples.estimate(), reused=False)
     fakes.answer("iterate", run=samples.plan_run(), document=samples.plan(trial=2), why=None, reused=False)
+    fakes.answer("repeat", run=samples.run(samples.CAMPAIGN, "repeat"), document=campaign_samples.repeat())
+    fakes.answer("sweep", run=samples.run(samples.CAMPAIGN, "sweep"), document=campaign_samples.sweep())
     fakes.answer(
         "campaign",
         run=samples.run(samples.CAMPAIGN, "campaign"),

@@ -55,7 +55,7 @@ def _expected(told: ExpectedError) -> str:
 def _chances(told: ExpectedError) -> str:
     return (
         f"within tolerance {100 * told.within_tolerance_share:.0f} %, lost {100 * told.lost_share:.0f} % of "
-        f"{told.draws} simulated worlds; the model misses by {100 * told.model_miss_share:.1f} % of a slide"
+        f"{told.draws} worlds; the model misses by {100 * told.model_miss_share:.1f} % of a slide"
     )
 
 
