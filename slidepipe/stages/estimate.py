@@ -76,7 +76,7 @@ def run(request: EstimateRequest) -> EstimateResult:
     EstimationError
         It is too short or too empty for anything. A lost object is no error: the document says so.
     """
-    source = _source(request)
+    source = trial_source(request.trial, request.store)
     draft = request.store.draft(
         stage=STAGE,
         stage_version=STAGE_VERSION,
@@ -98,8 +98,8 @@ def run(request: EstimateRequest) -> EstimateResult:
 def estimate_recording(path: Path) -> RecordedEstimate:
     """Estimate a recording, wherever it lies, from nothing but itself."""
     recording = read_recording(path)
-    experiment = parse(Experiment, loads(_text(recording, "experiment.yaml"), f"{path}: experiment.yaml"))
-    plan = parse(PlanDocument, loads(_text(recording, "plan.yaml"), f"{path}: plan.yaml"))
+    purpose = purpose_of(recording)
+    experiment, plan = purpose.experiment, purpose.plan
     start_ns, stop_ns = (_stamp(recording, message) for message in (MOTION_STARTS, MOTION_ENDS))
     request = EstimationRequest(
         mocap=recording.mocap(),
@@ -118,7 +118,7 @@ def estimate_recording(path: Path) -> RecordedEstimate:
 
 
 @dataclass(frozen=True, slots=True)
-class _Source:
+class TrialSource:
     """A recording: where it lies, which run made it, for which experiment."""
 
     path: Path
@@ -127,15 +127,41 @@ class _Source:
     input: InputRef
 
 
-def _source(request: EstimateRequest) -> _Source:
-    path = Path(request.trial)
+def trial_source(trial: str, store: Store) -> TrialSource:
+    """Find the recording of a trial, which is a run or the path of a recording.
+
+    Raises
+    ------
+    NotFoundError
+        There is no such run or file, or the run holds no recording.
+    InputError
+        The recording is damaged, or none of a trial.
+    """
+    path = Path(trial)
     if path.suffix == ".mcap":
         provenance = read_recording(path).metadata.get(PROVENANCE, {})
         if not {"run", "experiment"} <= provenance.keys():
             raise InputError(f"{path}: does not say which run recorded it for which experiment: not a recorded trial")
-        return _Source(path, provenance["run"], provenance["experiment"], outside_input(RECORDING, path))
-    run = request.store.get(request.trial)
-    return _Source(run.file(RECORDING), run.id, run.manifest.experiment, run.input(RECORDING))
+        return TrialSource(path, provenance["run"], provenance["experiment"], outside_input(RECORDING, path))
+    run = store.get(trial)
+    return TrialSource(run.file(RECORDING), run.id, run.manifest.experiment, run.input(RECORDING))
+
+
+@dataclass(frozen=True, slots=True)
+class Purpose:
+    """What a recording says that it was recorded for."""
+
+    experiment: Experiment
+    plan: PlanDocument
+
+
+def purpose_of(recording: Recording) -> Purpose:
+    """Read the plan and the experiment that a recording begins with."""
+    path = recording.path
+    return Purpose(
+        parse(Experiment, loads(_text(recording, "experiment.yaml"), f"{path}: experiment.yaml")),
+        parse(PlanDocument, loads(_text(recording, "plan.yaml"), f"{path}: plan.yaml")),
+    )
 
 
 def _text(recording: Recording, name: str) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner, Result
 
-from cli import samples
+from cli import pooled_samples, samples
 from slidepipe.artifacts.run import Run
 from slidepipe.artifacts.schema import Artifact, dump_model
 from slidepipe.cli.main import cli
@@ -46,11 +46,18 @@ class FakeStages:
 @pytest.fixture(autouse=True)
 def stages(monkeypatch: pytest.MonkeyPatch) -> FakeStages:
     fakes = FakeStages()
-    for stage in ("plan", "execute", "estimate", "iterate", "campaign"):
+    for stage in ("plan", "execute", "estimate", "iterate", "campaign", "pool"):
         monkeypatch.setitem(sys.modules, f"slidepipe.stages.{stage}", fakes.module(stage))
     fakes.answer("plan", run=samples.plan_run(), document=samples.plan(), reused=False)
     fakes.answer("execute", run=samples.run(samples.TRIAL, "execute"), document=samples.trial(), truth=samples.truth())
     fakes.answer("estimate", run=samples.run(samples.ESTIMATE, "estimate"), document=samples.estimate(), reused=False)
+    fakes.answer(
+        "pool",
+        run=samples.run(pooled_samples.POOLED, "pool"),
+        document=pooled_samples.pooled(),
+        estimates=(SimpleNamespace(document=samples.estimate()), None),
+        reused=False,
+    )
     fakes.answer("iterate", run=samples.plan_run(), document=samples.plan(trial=2), reused=False)
     fakes.answer(
         "campaign",

@@ -5,6 +5,7 @@ from rich.console import RenderableType
 from slidepipe.artifacts.campaign import CampaignDocument
 from slidepipe.artifacts.estimate import EstimateDocument
 from slidepipe.artifacts.plan import PlanDocument
+from slidepipe.artifacts.pooled import PooledDocument
 from slidepipe.artifacts.run import Run
 from slidepipe.artifacts.schema import Artifact, parse
 from slidepipe.artifacts.strict_yaml import load
@@ -12,6 +13,7 @@ from slidepipe.artifacts.trial import TrialDocument, TruthDocument
 from slidepipe.cli.views.campaign import campaign_view
 from slidepipe.cli.views.estimate import estimate_view
 from slidepipe.cli.views.plan import plan_view
+from slidepipe.cli.views.pooled import pooled_view
 from slidepipe.cli.views.trial import trial_view
 from slidepipe.errors import InputError, NotFoundError, StoreError
 
@@ -20,6 +22,7 @@ MODELS: dict[str, type[Artifact]] = {
     "trial.yaml": TrialDocument,
     "truth.yaml": TruthDocument,
     "estimate.yaml": EstimateDocument,
+    "pooled.yaml": PooledDocument,
     "campaign.yaml": CampaignDocument,
 }
 """What the stages write, by the name of the file."""
@@ -53,6 +56,8 @@ def stage_view(documents: dict[str, Artifact], run: Run, *, all_limits: bool) ->
             parts += ["", *trial_view(document, truth if isinstance(truth, TruthDocument) else None, run)]
         elif isinstance(document, EstimateDocument):
             parts += ["", *estimate_view(document, run)]
+        elif isinstance(document, PooledDocument):
+            parts += ["", *pooled_view(document, run)]
         elif isinstance(document, CampaignDocument):
             parts += ["", *campaign_view(document, run)]
     return parts
