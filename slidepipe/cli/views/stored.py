@@ -9,11 +9,13 @@ from slidepipe.artifacts.pooled import PooledDocument
 from slidepipe.artifacts.run import Run
 from slidepipe.artifacts.schema import Artifact, parse
 from slidepipe.artifacts.strict_yaml import load
+from slidepipe.artifacts.surface import SurfaceDocument
 from slidepipe.artifacts.trial import TrialDocument, TruthDocument
 from slidepipe.cli.views.campaign import campaign_view
 from slidepipe.cli.views.estimate import estimate_view
 from slidepipe.cli.views.plan import plan_view
 from slidepipe.cli.views.pooled import pooled_view
+from slidepipe.cli.views.surface import surface_view
 from slidepipe.cli.views.trial import trial_view
 from slidepipe.errors import InputError, NotFoundError, StoreError
 
@@ -24,6 +26,7 @@ MODELS: dict[str, type[Artifact]] = {
     "estimate.yaml": EstimateDocument,
     "pooled.yaml": PooledDocument,
     "campaign.yaml": CampaignDocument,
+    "surface.yaml": SurfaceDocument,
 }
 """What the stages write, by the name of the file."""
 
@@ -58,6 +61,8 @@ def stage_view(documents: dict[str, Artifact], run: Run, *, all_limits: bool) ->
             parts += ["", *estimate_view(document, run)]
         elif isinstance(document, PooledDocument):
             parts += ["", *pooled_view(document, run)]
+        elif isinstance(document, SurfaceDocument):
+            parts += ["", *surface_view(document, run)]
         elif isinstance(document, CampaignDocument):
             parts += ["", *campaign_view(document, run)]
     return parts
