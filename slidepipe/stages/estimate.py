@@ -29,19 +29,20 @@ from slidepipe.stages.execute import RECORDING
 from slidepipe.stages.translate import block, motion_plane
 
 STAGE, STAGE_VERSION = "estimate", 1
-ESTIMATE, SMOOTHED = "estimate", "smoothed"
+ESTIMATE, SMOOTHED, FIGURE = "estimate", "smoothed", "figure"
 """Roles of an estimate's files."""
-SMOOTHED_FILE = "smoothed.mcap"
+SMOOTHED_FILE, FIGURE_FILE = "smoothed.mcap", "estimate.png"
 SMOOTHED_HAND, SMOOTHED_OBJECT, SMOOTHED_RELATIVE = "/smoothed/hand", "/smoothed/object", "/smoothed/relative"
 
 
 @dataclass(frozen=True, slots=True)
 class EstimateRequest:
-    """Which trial to estimate: a run, or the path of a recording; ``force`` estimates it again."""
+    """Which trial to estimate: a run, or the path of a recording; ``force`` estimates it again, ``figure`` draws it."""
 
     trial: str
     store: Store
     force: bool = False
+    figure: bool = False
     command: tuple[str, ...] = ()
 
 
@@ -81,7 +82,7 @@ def run(request: EstimateRequest) -> EstimateResult:
         stage=STAGE,
         stage_version=STAGE_VERSION,
         experiment=source.experiment,
-        parameters={},
+        parameters={"figure": True} if request.figure else {},
         inputs=(source.input,),
         command=request.command,
     )
@@ -92,6 +93,8 @@ def run(request: EstimateRequest) -> EstimateResult:
         found = estimate_recording(source.path)
         document = _document(found, source.trial)
         _write(draft, found, document)
+        if request.figure:
+            _draw(draft, found, source.trial)
     return EstimateResult(draft.run, document, reused=False)
 
 
@@ -244,6 +247,21 @@ def _write(draft: Draft, found: RecordedEstimate, document: EstimateDocument) ->
         draft.report("kappa", kappa.value, std=kappa.std, unit="m/s^2")
     if document.lost is not None:
         draft.state = RunState.LOST
+
+
+def _draw(draft: Draft, found: RecordedEstimate, trial: str) -> None:
+    # Only those who ask for a picture wait for matplotlib.
+    from slidepipe.figures.estimated import draw_estimate  # noqa: PLC0415
+    from slidepipe.stages.estimate_picture import estimate_picture  # noqa: PLC0415
+
+    picture = estimate_picture(
+        found.estimate,
+        f"Estimate of trial {trial}: {found.experiment.name}",
+        start_ns=found.start_ns,
+        stop_s=found.plan.phases[-1].stop_s,
+        believed=found.plan.believed.kappa_m_s2,
+    )
+    draw_estimate(picture, draft.add(FIGURE, FIGURE_FILE))
 
 
 def _series(told: Estimate, smoothed: SmoothedSeries) -> PlanarSeries:

@@ -31,11 +31,15 @@ PICTURE_FILE = "repeatability.png"
 
 @dataclass(frozen=True, slots=True)
 class PoolRequest:
-    """Which trials to pool, each a run or a recording; ``force`` estimates and pools them again."""
+    """Which trials to pool, each a run or a recording.
+
+    ``force`` estimates and pools them again, ``figure`` draws each trial's estimate.
+    """
 
     trials: tuple[str, ...]
     store: Store
     force: bool = False
+    figure: bool = False
     command: tuple[str, ...] = ()
 
 
@@ -136,7 +140,7 @@ def _one_experiment(trials: list[_Trial]) -> Experiment:
 
 def _estimated(trial: _Trial, request: PoolRequest) -> _Trial:
     name = str(trial.source.path) if trial.source.input.run is None else trial.source.trial
-    asked = estimate.EstimateRequest(name, request.store, request.force, request.command)
+    asked = estimate.EstimateRequest(name, request.store, request.force, request.figure, request.command)
     try:
         return replace(trial, result=estimate.run(asked))
     except EstimationError as refusal:

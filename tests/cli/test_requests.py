@@ -48,6 +48,7 @@ def test_estimate(call, stages) -> None:
         "trial": "m0x7",
         "store": Store(Path("from-the-environment")),
         "force": False,
+        "figure": False,
         "command": ("slidepipe", "estimate", "m0x7"),
     }
 
@@ -58,6 +59,7 @@ def test_estimate_of_several_trials(call, stages) -> None:
         "trials": ("m0x7", "away/trial.mcap"),
         "store": Store(Path("data")),
         "force": True,
+        "figure": False,
         "command": ("slidepipe", "estimate", "m0x7", "away/trial.mcap", "--force"),
     }
 

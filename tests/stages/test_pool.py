@@ -53,6 +53,18 @@ def test_the_run_names_recordings_and_estimates_by_hash(pooled) -> None:
     assert [run.manifest.stage for run in store.runs()] == stages == ["estimate"] * 3 + ["pool"]
 
 
+def test_a_figure_is_drawn_on_request_and_is_a_run_of_its_own(pooled) -> None:
+    store = pooled[1]
+    plain = estimate.run(estimate.EstimateRequest(TRIALS[0], store))
+    drawn = estimate.run(estimate.EstimateRequest(TRIALS[0], store, figure=True))
+    assert plain.reused
+    assert not drawn.reused
+    assert drawn.document == plain.document
+    with Image.open(drawn.run.file("figure")) as picture:
+        assert picture.size == (2700, 1548)
+    assert estimate.run(estimate.EstimateRequest(TRIALS[0], store, figure=True)).reused
+
+
 def test_the_same_trial_twice_counts_once(tmp_path: Path) -> None:
     shutil.copy(TRIALS[0], tmp_path / "copy.mcap")
     store = Store(tmp_path / "data")
