@@ -20,11 +20,13 @@ from slidepipe.artifacts.store import Store
 from slidepipe.artifacts.strict_yaml import load, loads
 from slidepipe.artifacts.values import UncertainPose
 from slidepipe.errors import InputError
+from slidepipe.estimation.calibration import Calibration, calibrated
 from slidepipe.estimation.estimate import Estimate, estimate
 from slidepipe.estimation.request import EstimationRequest
 from slidepipe.estimation.rest import RestPose
 from slidepipe.estimation.smoothing import SmoothedSeries
 from slidepipe.lab.loop import MOTION_ENDS, MOTION_STARTS
+from slidepipe.stages.calibration_files import CALIBRATION, read_calibration
 from slidepipe.stages.execute import RECORDING
 from slidepipe.stages.translate import block, motion_plane
 
@@ -37,12 +39,16 @@ SMOOTHED_HAND, SMOOTHED_OBJECT, SMOOTHED_RELATIVE = "/smoothed/hand", "/smoothed
 
 @dataclass(frozen=True, slots=True)
 class EstimateRequest:
-    """Which trial to estimate: a run, or the path of a recording; ``force`` estimates it again, ``figure`` draws it."""
+    """Which trial to estimate: a run, or the path of a recording; ``force`` estimates it again, ``figure`` draws it.
+
+    ``calibration`` is the run that says where cameras and markers are; without it, they are where they should be.
+    """
 
     trial: str
     store: Store
     force: bool = False
     figure: bool = False
+    calibration: str | None = None
     command: tuple[str, ...] = ()
 
 
@@ -78,19 +84,20 @@ def run(request: EstimateRequest) -> EstimateResult:
         It is too short or too empty for anything. A lost object is no error: the document says so.
     """
     source = trial_source(request.trial, request.store)
+    calibration = None if request.calibration is None else request.store.get(request.calibration)
     draft = request.store.draft(
         stage=STAGE,
         stage_version=STAGE_VERSION,
         experiment=source.experiment,
         parameters={"figure": True} if request.figure else {},
-        inputs=(source.input,),
+        inputs=(source.input, *((calibration.input(CALIBRATION),) if calibration else ())),
         command=request.command,
     )
     known = None if request.force else request.store.find_recipe(draft.recipe)
     if known is not None:
         return EstimateResult(known, parse(EstimateDocument, load(known.file(ESTIMATE))), reused=True)
     with draft:
-        found = estimate_recording(source.path)
+        found = estimate_recording(source.path, read_calibration(calibration) if calibration else None)
         document = _document(found, source.trial)
         _write(draft, found, document)
         if request.figure:
@@ -98,14 +105,15 @@ def run(request: EstimateRequest) -> EstimateResult:
     return EstimateResult(draft.run, document, reused=False)
 
 
-def estimate_recording(path: Path) -> RecordedEstimate:
-    """Estimate a recording, wherever it lies, from nothing but itself."""
+def estimate_recording(path: Path, calibration: Calibration | None = None) -> RecordedEstimate:
+    """Estimate a recording, wherever it lies, from nothing but itself and, if there is one, a calibration."""
     recording = read_recording(path)
+    mocap = recording.mocap() if calibration is None else calibrated(recording.mocap(), calibration)
     purpose = purpose_of(recording)
     experiment, plan = purpose.experiment, purpose.plan
     start_ns, stop_ns = (_stamp(recording, message) for message in (MOTION_STARTS, MOTION_ENDS))
     request = EstimationRequest(
-        mocap=recording.mocap(),
+        mocap=mocap,
         plane=motion_plane(experiment),
         block=block(experiment),
         normal_force_n=experiment.grasp.normal_force_n,

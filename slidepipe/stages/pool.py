@@ -33,13 +33,14 @@ PICTURE_FILE = "repeatability.png"
 class PoolRequest:
     """Which trials to pool, each a run or a recording.
 
-    ``force`` estimates and pools them again, ``figure`` draws each trial's estimate.
+    ``force`` estimates and pools them again, ``figure`` draws each trial's estimate, ``calibration`` is that of all.
     """
 
     trials: tuple[str, ...]
     store: Store
     force: bool = False
     figure: bool = False
+    calibration: str | None = None
     command: tuple[str, ...] = ()
 
 
@@ -140,7 +141,14 @@ def _one_experiment(trials: list[_Trial]) -> Experiment:
 
 def _estimated(trial: _Trial, request: PoolRequest) -> _Trial:
     name = str(trial.source.path) if trial.source.input.run is None else trial.source.trial
-    asked = estimate.EstimateRequest(name, request.store, request.force, request.figure, request.command)
+    asked = estimate.EstimateRequest(
+        name,
+        request.store,
+        force=request.force,
+        figure=request.figure,
+        calibration=request.calibration,
+        command=request.command,
+    )
     try:
         return replace(trial, result=estimate.run(asked))
     except EstimationError as refusal:

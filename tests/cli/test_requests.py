@@ -49,6 +49,7 @@ def test_estimate(call, stages) -> None:
         "store": Store(Path("from-the-environment")),
         "force": False,
         "figure": False,
+        "calibration": None,
         "command": ("slidepipe", "estimate", "m0x7"),
     }
 
@@ -60,6 +61,7 @@ def test_estimate_of_several_trials(call, stages) -> None:
         "store": Store(Path("data")),
         "force": True,
         "figure": False,
+        "calibration": None,
         "command": ("slidepipe", "estimate", "m0x7", "away/trial.mcap", "--force"),
     }
 

@@ -2,6 +2,7 @@
 
 from rich.console import RenderableType
 
+from slidepipe.artifacts.calibration import CalibrationDocument
 from slidepipe.artifacts.campaign import CampaignDocument
 from slidepipe.artifacts.estimate import EstimateDocument
 from slidepipe.artifacts.plan import PlanDocument
@@ -11,6 +12,7 @@ from slidepipe.artifacts.schema import Artifact, parse
 from slidepipe.artifacts.strict_yaml import load
 from slidepipe.artifacts.surface import SurfaceDocument
 from slidepipe.artifacts.trial import TrialDocument, TruthDocument
+from slidepipe.cli.views.calibration import calibration_view
 from slidepipe.cli.views.campaign import campaign_view
 from slidepipe.cli.views.estimate import estimate_view
 from slidepipe.cli.views.plan import plan_view
@@ -26,6 +28,7 @@ MODELS: dict[str, type[Artifact]] = {
     "estimate.yaml": EstimateDocument,
     "pooled.yaml": PooledDocument,
     "campaign.yaml": CampaignDocument,
+    "calibration.yaml": CalibrationDocument,
     "surface.yaml": SurfaceDocument,
 }
 """What the stages write, by the name of the file."""
@@ -61,6 +64,8 @@ def stage_view(documents: dict[str, Artifact], run: Run, *, all_limits: bool) ->
             parts += ["", *estimate_view(document, run)]
         elif isinstance(document, PooledDocument):
             parts += ["", *pooled_view(document, run)]
+        elif isinstance(document, CalibrationDocument):
+            parts += ["", *calibration_view(document, run)]
         elif isinstance(document, SurfaceDocument):
             parts += ["", *surface_view(document, run)]
         elif isinstance(document, CampaignDocument):
