@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from slidepipe.errors import EstimationError
 from slidepipe.estimation.pooled import Pooled, pool
-from slidepipe.estimation.poses import Track, without_spikes
+from slidepipe.estimation.poses import Track
 from slidepipe.estimation.smoothing import SmoothedSeries, rest_noise, smooth
 from slidepipe.estimation.surface_fit import ForceMotion, Supports
 from slidepipe.mechanics.dynamics import GRAVITY
@@ -227,8 +227,7 @@ def read_stream(name: str) -> Stream:
         )
     time_s = stamps - stamps[0]
     raw, upright = _on_table(rows, claimed)
-    steady = _without_swaps(time_s, Track(np.where(upright[:, None], raw.pose, 0.0), upright))
-    believed = without_spikes(steady)
+    believed = _without_swaps(time_s, Track(np.where(upright[:, None], raw.pose, 0.0), upright))
     if np.count_nonzero(believed.valid) < SEEN_SHARE * len(believed.valid):
         raise EstimationError(f"{name}: the block's pose jumps about in more than half of the frames")
     still = time_s < 1.0

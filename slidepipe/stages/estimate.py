@@ -98,7 +98,7 @@ def run(request: EstimateRequest) -> EstimateResult:
         return EstimateResult(known, parse(EstimateDocument, load(known.file(ESTIMATE))), reused=True)
     with draft:
         found = estimate_recording(source.path, read_calibration(calibration) if calibration else None)
-        document = _document(found, source.trial)
+        document = _document(found, source.trial, calibration.id if calibration else None)
         _write(draft, found, document)
         if request.figure:
             _draw(draft, found, source.trial)
@@ -189,8 +189,11 @@ def _stamp(recording: Recording, message: str) -> int:
     raise InputError(f"{recording.path}: does not say when the {message}: the trial was not run to its end")
 
 
-def _document(found: RecordedEstimate, trial: str) -> EstimateDocument:
+def _document(found: RecordedEstimate, trial: str, calibration: str | None) -> EstimateDocument:
     told = found.estimate
+    placed = (
+        f"cameras and markers are where calibration {calibration} found them; its uncertainty is in no interval here"
+    )
     slide = None
     if told.slide is not None:
         start_s, stop_s = (_since_start(found, time_s) for time_s in (told.slide.start_s, told.slide.stop_s))
@@ -207,7 +210,7 @@ def _document(found: RecordedEstimate, trial: str) -> EstimateDocument:
         slide=slide,
         friction=_friction(found),
         friction_missing_because=told.friction_reason,
-        notes=told.notes,
+        notes=told.notes if calibration is None else (*told.notes, placed),
         series_file=SMOOTHED_FILE,
     )
 

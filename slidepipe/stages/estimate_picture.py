@@ -3,10 +3,9 @@
 import numpy as np
 
 from slidepipe.estimation.estimate import Estimate
-from slidepipe.estimation.poses import Track
 from slidepipe.estimation.smoothing import SmoothedSeries
 from slidepipe.figures.estimated import EstimatePicture, Posterior, Trace
-from slidepipe.series import BoolArray
+from slidepipe.series import BoolArray, FloatArray
 
 MARGIN_S = 0.15
 """How much of the rests before and after the motion is shown."""
@@ -30,9 +29,14 @@ def estimate_picture(told: Estimate, title: str, *, start_ns: int, stop_s: float
         title=title,
         time_s=time_s[shown],
         traces=(
-            _trace("hand in the plane {w}", tracks.hand, told.hand, shown),
-            _trace("object in the plane {w}", tracks.object, told.object, shown),
-            _trace("finger in the body frame, $r_f^b$", tracks.relative, told.relative, shown),
+            _trace("hand in the plane {w}", _seen(tracks.hand.pose, tracks.hand.valid), told.hand, shown),
+            _trace("object in the plane {w}", _seen(tracks.object.pose, tracks.object.valid), told.object, shown),
+            _trace(
+                "finger in the body frame, $r_f^b$",
+                _seen(tracks.relative.pose, tracks.relative.valid),
+                told.relative,
+                shown,
+            ),
         ),
         slide_s=None if told.slide is None else (zero_s + told.slide.start_s, zero_s + told.slide.stop_s),
         posterior=None
@@ -47,6 +51,9 @@ def estimate_picture(told: Estimate, title: str, *, start_ns: int, stop_s: float
     )
 
 
-def _trace(title: str, track: Track, smoothed: SmoothedSeries, shown: BoolArray) -> Trace:
-    raw = np.where(track.valid[:, None], track.pose, np.nan)
+def _trace(title: str, raw: FloatArray, smoothed: SmoothedSeries, shown: BoolArray) -> Trace:
     return Trace(title, raw[shown], smoothed.pose[shown], smoothed.noise)
+
+
+def _seen(pose: FloatArray, valid: BoolArray) -> FloatArray:
+    return np.where(valid[:, None], pose, np.nan)
