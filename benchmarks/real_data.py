@@ -152,7 +152,14 @@ def _tosses(figures: dict[str, float]) -> str:
 
 def _streams(figures: dict[str, float]) -> str:
     rows = [_stream(name, figures) for name in STREAMS]
-    head = ("stream", "frames", "not believed", "longest step as sent (mm, °)", "longest step smoothed (mm, °)")
+    head = (
+        "stream",
+        "frames",
+        "not believed",
+        "longest step as sent (mm, °)",
+        "longest step smoothed (mm, °)",
+        "and beside a loss (mm)",
+    )
     return TRACKS.format(table=_table(head, rows))
 
 
@@ -160,7 +167,7 @@ def _stream(name: str, figures: dict[str, float]) -> tuple[str, ...]:
     try:
         stream: Stream = read_stream(name)
     except EstimationError as refusal:
-        return name, "", "", "", f"refused: {str(refusal).partition(': ')[2]}"
+        return name, "", "", "", "", f"refused: {str(refusal).partition(': ')[2]}"
     figures[f"smoothed_step_{name}_m"] = stream.smoothed_jump_m
     return (
         name,
@@ -168,6 +175,7 @@ def _stream(name: str, figures: dict[str, float]) -> tuple[str, ...]:
         str(stream.lost),
         f"{1e3 * stream.raw_jump_m:.2f}, {np.degrees(stream.raw_jump_rad):.1f}",
         f"{1e3 * stream.smoothed_jump_m:.2f}, {np.degrees(stream.smoothed_jump_rad):.1f}",
+        f"{1e3 * stream.loss_jump_m:.2f}" if stream.lost else "",
     )
 
 

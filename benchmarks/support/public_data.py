@@ -202,6 +202,13 @@ class Stream:
         return _longest(self.smoothed.pose)
 
     @property
+    def loss_jump_m(self) -> float:
+        """The same where one of the two frames is lost, or the next to a lost one; zero where none is."""
+        near = np.convolve(~self.believed.valid, np.ones(3), mode="same") > 0
+        steps = np.hypot(*np.diff(self.smoothed.pose[:, :2], axis=0).T)
+        return float(np.max(steps[near[1:] | near[:-1]], initial=0.0))
+
+    @property
     def smoothed_jump_rad(self) -> float:
         """Largest turn between neighbouring frames after smoothing."""
         return float(np.abs(np.diff(self.smoothed.pose[:, 2])).max())

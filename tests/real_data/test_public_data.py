@@ -59,6 +59,7 @@ def test_streams_are_smoothed_through_losses_and_swapped_markers(name: str, step
     assert stream.lost > 50
     assert max(stream.raw_jump_m / 0.02, stream.raw_jump_rad / 2.0) > 1.0
     assert stream.smoothed_jump_m < 1e-3 * step_mm
+    assert 0.0 < stream.loss_jump_m < 1.2e-3
     assert stream.smoothed_jump_rad < np.radians(turn_deg)
     seen = stream.believed.valid
     away = stream.smoothed.pose[seen] - stream.believed.pose[seen]
