@@ -28,7 +28,8 @@ class CalibrationDocument(Artifact):
     """What is written as ``calibration.yaml``.
 
     ``hand_markers`` are in {f}: along z their deviation is large after a motion in a plane, and does not matter for
-    another in it. ``object_tilt`` is null where the object was not there.
+    another in it. ``object_tilt`` is null where the object was not there. ``heading_rad`` is the motion plane's in
+    the base frame, ``lean_rad`` how far it leans out of the vertical.
     """
 
     SCHEMA: ClassVar[str] = "slidepipe.calibration"
@@ -38,6 +39,9 @@ class CalibrationDocument(Artifact):
     cameras_in_base: Placement
     hand_markers: Placement
     object_tilt: Tilt | None
+    heading_rad: float
+    lean_rad: float
+    plane_std_rad: NotNegative
     down_in_cameras: Vector
     down_std_rad: NotNegative
     joints_late_s: float

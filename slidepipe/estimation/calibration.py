@@ -56,6 +56,9 @@ class Calibration:
     object_tilt_rad, object_tilt_std_rad : (3,) or None
         Rotation vector, in the object's markers, from their z axis to the plane's normal; its z is zero. None where the
         object was not there.
+    heading_rad, lean_rad, plane_std_rad : float
+        Direction of the motion plane's x axis in the base's horizontal plane, as the hand's turning shows it to the
+        cameras; by how much the plane leans out of the vertical; and the standard deviation of both.
     down_in_cameras : (3,)
         Direction of gravity in the cameras' frame, if the arm's base is level.
     down_std_rad : float
@@ -74,6 +77,9 @@ class Calibration:
     hand_markers: Placement
     object_tilt_rad: FloatArray | None
     object_tilt_std_rad: FloatArray | None
+    heading_rad: float
+    lean_rad: float
+    plane_std_rad: float
     down_in_cameras: FloatArray
     down_std_rad: float
     delay_s: float
@@ -158,12 +164,18 @@ def _told(problem: Problem, kept: BoolArray, fit: OptimizeResult) -> Calibration
     base = Rotation.from_rotvec(x[0:3])
     down = base.inv().apply([0.0, 0.0, -1.0])
     tilt = _object_tilt(problem, base)
+    axis = _turn_axis(problem.turn)
+    normal = base.apply(axis.direction)
+    normal *= np.sign(normal @ problem.plane.axes[:, 2])
     told = len(tilt) >= FEWEST_FRAMES
     return Calibration(
         cameras_in_base=Placement(x[3:6], x[0:3], std[3:6], std[0:3]),
         hand_markers=Placement(x[9:12], -x[6:9], std[9:12], std[6:9]),
         object_tilt_rad=np.median(tilt, axis=0) if told else None,
         object_tilt_std_rad=1.2533 * tilt.std(axis=0, ddof=1) / np.sqrt(len(tilt)) if told else None,
+        heading_rad=float(np.arctan2(normal[0], -normal[1])),
+        lean_rad=float(np.arcsin(np.clip(normal[2], -1.0, 1.0))),
+        plane_std_rad=float(np.hypot(np.max(std[0:3]), axis.std_rad)),
         down_in_cameras=np.asarray(down),
         down_std_rad=float(np.hypot(std[0], std[1])),
         delay_s=float(x[12]),
@@ -185,6 +197,21 @@ def _object_tilt(problem: Problem, base: Rotation) -> FloatArray:
     size = np.linalg.norm(across, axis=1)
     angle = np.arctan2(size, normal[:, 2])
     return np.asarray(across * (angle / np.maximum(size, 1e-12))[:, None])
+
+
+@dataclass(frozen=True, slots=True)
+class _Axis:
+    direction: FloatArray
+    std_rad: float
+
+
+def _turn_axis(turns: Rotation) -> _Axis:
+    """The axis that all turns of the hand share, in the cameras' frame: what their mean matrix leaves unshortened."""
+    matrices = turns.as_matrix()
+    _, _, rows = np.linalg.svd(matrices.mean(axis=0))
+    each = matrices @ rows[0]
+    direction = each.mean(axis=0) / np.linalg.norm(each.mean(axis=0))
+    return _Axis(direction, float(np.sqrt(np.mean((each - direction) ** 2) / len(each))))
 
 
 def _turn(problem: Problem) -> float:

@@ -14,6 +14,7 @@ hand's markers in {f}, mm             11.97 ± 0.02   -20.03 ± 0.03   29.70 ± 
   turned by, mrad                      300.0 ± 0.1    -200.0 ± 0.2    800.0 ± 0.2
 tilt of the object's markers, mrad     -16.4 ± 0.3     -11.7 ± 0.2      0.0 ± 0.0
 
+motion plane               heading 1570.9 mrad, leans by -1.3 mrad, each ± 0.3
 down for the cameras       [-0.8991, 0.0957, -0.4271] ± 0.2 mrad
 joints behind the cameras  -0.024 ± 0.013 ms
 the hand turned by         157.1 degrees

@@ -89,6 +89,9 @@ def test_everything_is_found_within_its_standard_deviations() -> None:
         assert 1e-3 < hand.position_std_m[2] < 5.1e-3
         assert told.down_in_cameras == pytest.approx(CAMERAS[1].inv().apply([0.0, 0.0, -1.0]), abs=1e-3)
         assert told.object_tilt_rad == pytest.approx(TILT.as_rotvec(), abs=1.5e-3)
+        assert told.heading_rad == pytest.approx(PLANE.heading_rad, abs=4 * told.plane_std_rad)
+        assert told.lean_rad == pytest.approx(0.0, abs=4 * told.plane_std_rad)
+        assert told.plane_std_rad < 1e-3
         assert 2 <= told.outliers <= 12
         assert told.rms_m == pytest.approx(NOISE_M, rel=0.1)
         assert told.rms_rad == pytest.approx(NOISE_RAD, rel=0.1)

@@ -45,6 +45,8 @@ def test_markers_and_cameras_are_found_where_the_lab_has_them(found: calibrate.C
     assert np.abs(away[:2]).max() < 1.5e-4
     assert document.hand_markers.rotation_rad == pytest.approx((0.3, -0.2, 0.8), abs=1e-3)
     assert document.cameras_in_base.rotation_rad == pytest.approx((1.2, -0.7, 2.0), abs=1e-3)
+    assert document.heading_rad == pytest.approx(np.pi / 2, abs=2e-3)
+    assert document.lean_rad == pytest.approx(0.0, abs=2e-3)
     assert document.cameras_in_base.position_m[1:] == pytest.approx((-0.4, 0.3), abs=5e-4)
     assert abs(document.joints_late_s) < 1e-4
     assert any("stayed near a plane" in note for note in document.notes)

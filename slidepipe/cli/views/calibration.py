@@ -50,8 +50,10 @@ def _angles(rotation: Vector, std: Vector) -> tuple[str, ...]:
 def _facts(calibration: CalibrationDocument) -> list[tuple[str, str]]:
     x, y, z = (fixed(value, 4) for value in calibration.down_in_cameras)
     late, std = (fixed(1e3 * value, 3) for value in (calibration.joints_late_s, calibration.joints_late_std_s))
+    lean, plane = angle_mrad(calibration.lean_rad), angle_mrad(calibration.plane_std_rad)
     left = f"{length_mm(calibration.rms_m)} mm and {angle_mrad(calibration.rms_rad)} mrad rms"
     return [
+        ("motion plane", f"heading {angle_mrad(calibration.heading_rad)} mrad, leans by {lean} mrad, each ± {plane}"),
         ("down for the cameras", f"[{x}, {y}, {z}] ± {angle_mrad(calibration.down_std_rad)} mrad"),
         ("joints behind the cameras", f"{late} ± {std} ms"),
         ("the hand turned by", number(math.degrees(calibration.turn_rad), "degrees")),
