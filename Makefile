@@ -6,7 +6,7 @@ STAMP  := $(VENV)/.installed
 DEV    := $(VENV)/.installed-dev
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench recorded clean
+.PHONY: help demo test check bench real-data recorded clean
 
 help:  ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -36,6 +36,9 @@ check: $(DEV)  ## lint, types and layers
 
 bench: $(STAMP)  ## measure speed and accuracy against scipy and MuJoCo
 	for benchmark in benchmarks/*.py; do echo "== $$benchmark"; $(BIN)/python $$benchmark || exit 1; done
+
+real-data: $(STAMP)  ## judge the estimators on public recordings, and write docs/real-data.md again
+	$(BIN)/python benchmarks/real_data.py --page docs/real-data.md
 
 recorded: $(STAMP)  ## record the trials under data/recorded again
 	$(BIN)/python data/recorded/make.py

@@ -19,8 +19,8 @@ class HandError:
 
 def hand_error(model: mujoco.MjModel, joints_rad: FloatArray, other_rad: FloatArray) -> HandError:
     """How far apart the hand is for two joint trajectories (T, 7), commanded and measured say."""
-    position, matrix = _hand_poses(model, joints_rad)
-    other_position, other_matrix = _hand_poses(model, other_rad)
+    position, matrix = hand_poses(model, joints_rad)
+    other_position, other_matrix = hand_poses(model, other_rad)
     trace = np.einsum("tij,tij->t", matrix, other_matrix)
     return HandError(
         position_m=np.linalg.norm(position - other_position, axis=1),
@@ -28,7 +28,8 @@ def hand_error(model: mujoco.MjModel, joints_rad: FloatArray, other_rad: FloatAr
     )
 
 
-def _hand_poses(model: mujoco.MjModel, joints_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
+def hand_poses(model: mujoco.MjModel, joints_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Positions (T, 3) and rotation matrices (T, 3, 3) of {f} in the base frame for joint angles (T, 7)."""
     data = mujoco.MjData(model)
     position, matrix = np.empty((len(joints_rad), 3)), np.empty((len(joints_rad), 3, 3))
     for index, angles in enumerate(joints_rad):

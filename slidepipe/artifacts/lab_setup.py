@@ -21,8 +21,19 @@ class TrackerSetup(Record):
     joint_friction_scale: NotNegative = 1.0
 
 
+class OffsetSetup(Record):
+    """Where a frame really is in the one that it is taken for: position, and rotation vector."""
+
+    position_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rotation_rad: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
 class CameraSetup(Record):
-    """The motion capture: its noise (one standard deviation), its losses and its clock."""
+    """The motion capture: its noise (one standard deviation), its losses, its clock and its frames.
+
+    ``frame`` is the cameras' own in the arm's base frame, ``hand_markers`` and ``object_markers`` are what they track,
+    in {f} and in {b}; ``slidepipe calibrate`` finds the first two.
+    """
 
     rate_hz: Annotated[float, Field(gt=0.0, le=2000.0)] = 360.0
     position_noise_m: NotNegative = 0.0003
@@ -32,6 +43,9 @@ class CameraSetup(Record):
     clock_drift_ppm: Annotated[float, Field(ge=-1e4, le=1e4)] = 20.0
     latency_s: Annotated[float, Field(ge=0.0, le=10.0)] = 0.006
     latency_jitter_s: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0004
+    frame: OffsetSetup = OffsetSetup()
+    hand_markers: OffsetSetup = OffsetSetup()
+    object_markers: OffsetSetup = OffsetSetup()
 
 
 class ContactSetup(Record):

@@ -1,6 +1,6 @@
 """The simulated cameras: noise, dropouts, a delay, and a clock of their own."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -14,6 +14,14 @@ CAPTURE_RADIUS_M = 1.5
 """A body farther than this from the middle of the plane is out of every camera's sight."""
 ECHO_TRIP_S = 0.0009
 """Shortest round trip of an echo."""
+
+
+@dataclass(frozen=True, slots=True)
+class Offset:
+    """Where a frame really is in the one that it is taken for: position (3,), m, and rotation vector (3,), rad."""
+
+    position_m: FloatArray = field(default_factory=lambda: np.zeros(3))
+    rotation_rad: FloatArray = field(default_factory=lambda: np.zeros(3))
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +39,10 @@ class CameraSettings:
         The cameras' clock against the host's.
     latency_s, latency_jitter_s : float
         From exposure to arrival at the host; the jitter only ever adds.
+    frame : Offset
+        The cameras' own frame in the arm's base frame.
+    hand_markers, object_markers : Offset
+        The frames that the cameras track, in {f} and in {b}.
     """
 
     rate_hz: float
@@ -41,6 +53,9 @@ class CameraSettings:
     clock_drift_ppm: float
     latency_s: float
     latency_jitter_s: float
+    frame: Offset = field(default_factory=Offset)
+    hand_markers: Offset = field(default_factory=Offset)
+    object_markers: Offset = field(default_factory=Offset)
 
     def __post_init__(self) -> None:
         if not self.rate_hz > 0.0:
@@ -53,6 +68,11 @@ class Cameras:
     def __init__(self, settings: CameraSettings, centre_m: FloatArray, random: np.random.Generator) -> None:
         self._settings, self._centre_m, self._random = settings, centre_m, random
         self._last_received_ns = 0
+        self._from_base = Rotation.from_rotvec(settings.frame.rotation_rad).inv()
+        self._hand_markers, self._object_markers = (
+            (one.position_m, Rotation.from_rotvec(one.rotation_rad))
+            for one in (settings.hand_markers, settings.object_markers)
+        )
 
     def ticks(self, time_s: float) -> int:
         """Reading of the cameras' clock at a time on the host's."""
@@ -67,7 +87,8 @@ class Cameras:
         # Frames share one wire: a late one holds up those behind it.
         received_ns = max(round(1e9 * (time_s + delay)), self._last_received_ns + 1000)
         self._last_received_ns = received_ns
-        return MocapFrame(frame, self.ticks(time_s), received_ns, self._see(*hand), self._see(*block))
+        seen = (self._see(hand, *self._hand_markers), self._see(block, *self._object_markers))
+        return MocapFrame(frame, self.ticks(time_s), received_ns, *seen)
 
     def echo(self, time_s: float) -> ClockExchange:
         """Answer an echo that is sent now; the way there and the way back jitter apart."""
@@ -78,14 +99,16 @@ class Cameras:
             received_ns=round(1e9 * (time_s + there + back)),
         )
 
-    def _see(self, position_m: FloatArray, matrix: FloatArray) -> BodyPose | None:
+    def _see(self, body: tuple[FloatArray, FloatArray], markers_m: FloatArray, markers: Rotation) -> BodyPose | None:
+        position_m, matrix = body
         dropped = self._random.random() < self._settings.dropout_share
         noise_m = self._random.normal(0.0, self._settings.position_noise_m, 3)
         noise_rad = self._random.normal(0.0, self._settings.angle_noise_rad, 3)
         if dropped or np.linalg.norm(position_m - self._centre_m) > CAPTURE_RADIUS_M:
             return None
-        turn = Rotation.from_rotvec(noise_rad) * Rotation.from_matrix(matrix)
-        return BodyPose(_on_the_wire(position_m + noise_m), _on_the_wire(turn.as_quat(canonical=True)))
+        place_m = self._from_base.apply(position_m + matrix @ markers_m - self._settings.frame.position_m)
+        noisy = Rotation.from_rotvec(noise_rad) * self._from_base * Rotation.from_matrix(matrix) * markers
+        return BodyPose(_on_the_wire(place_m + noise_m), _on_the_wire(noisy.as_quat(canonical=True)))
 
 
 def _on_the_wire(values: FloatArray) -> FloatArray:

@@ -3,8 +3,9 @@
 import numpy as np
 from numba import njit, prange
 
-from slidepipe.mechanics.event_kernel import STUCK, run_trial
+from slidepipe.mechanics.event_kernel import run_trial
 from slidepipe.mechanics.load_kernel import certified_load
+from slidepipe.mechanics.slide_kernel import STUCK
 from slidepipe.planning.profile_kernel import (
     BRAKE,
     CATCH,

@@ -9,6 +9,7 @@ from slidepipe.errors import InputError
 from slidepipe.mechanics.dynamics import Block, finger_acceleration, finger_velocity, sticking_load
 from slidepipe.mechanics.grasp import Contact, Grasp
 from slidepipe.mechanics.hand_motion import HandMotion
+from slidepipe.mechanics.limit_surface import SoftFinger
 from slidepipe.mechanics.planar import finger_pose, rotation
 from slidepipe.mechanics.stepping import PlacedFinger
 from slidepipe.mechanics.sticking import needed_wrench, sticking_loads
@@ -184,8 +185,9 @@ class CourseMotion:
         return r_b, dr_b, np.where(slides[:, None], np.where(tears, ddr, ddr_brake), 0.0)
 
     def _load(self, time_s: FloatArray, theta: FloatArray, ddq_o: FloatArray, r_b: FloatArray) -> FloatArray:
-        if lone(self.fingers):
-            return sticking_load(self.block, self.fingers[0].finger, theta, ddq_o, r_b)
+        finger = self.fingers[0].finger
+        if lone(self.fingers) and isinstance(finger, SoftFinger):
+            return sticking_load(self.block, finger, theta, ddq_o, r_b)
         turned = np.einsum("tij,nj->tni", rotation(r_b[:, 2])[:, :2, :2], np.array([p.place for p in self.fingers]))
         angles = np.broadcast_to(r_b[:, None, 2:], (*turned.shape[:2], 1))
         places = np.concatenate([r_b[:, None, :2] + turned, angles], axis=2)

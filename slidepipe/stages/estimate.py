@@ -20,28 +20,35 @@ from slidepipe.artifacts.store import Store
 from slidepipe.artifacts.strict_yaml import load, loads
 from slidepipe.artifacts.values import UncertainPose
 from slidepipe.errors import InputError
+from slidepipe.estimation.calibration import Calibration, calibrated
 from slidepipe.estimation.estimate import Estimate, estimate
 from slidepipe.estimation.request import EstimationRequest
 from slidepipe.estimation.rest import RestPose
 from slidepipe.estimation.smoothing import SmoothedSeries
 from slidepipe.lab.loop import MOTION_ENDS, MOTION_STARTS
+from slidepipe.stages.calibration_files import CALIBRATION, read_calibration
 from slidepipe.stages.execute import RECORDING
 from slidepipe.stages.translate import block, motion_plane
 
 STAGE, STAGE_VERSION = "estimate", 1
-ESTIMATE, SMOOTHED = "estimate", "smoothed"
+ESTIMATE, SMOOTHED, FIGURE = "estimate", "smoothed", "figure"
 """Roles of an estimate's files."""
-SMOOTHED_FILE = "smoothed.mcap"
+SMOOTHED_FILE, FIGURE_FILE = "smoothed.mcap", "estimate.png"
 SMOOTHED_HAND, SMOOTHED_OBJECT, SMOOTHED_RELATIVE = "/smoothed/hand", "/smoothed/object", "/smoothed/relative"
 
 
 @dataclass(frozen=True, slots=True)
 class EstimateRequest:
-    """Which trial to estimate: a run, or the path of a recording; ``force`` estimates it again."""
+    """Which trial to estimate: a run, or the path of a recording; ``force`` estimates it again, ``figure`` draws it.
+
+    ``calibration`` is the run that says where cameras and markers are; without it, they are where they should be.
+    """
 
     trial: str
     store: Store
     force: bool = False
+    figure: bool = False
+    calibration: str | None = None
     command: tuple[str, ...] = ()
 
 
@@ -76,33 +83,37 @@ def run(request: EstimateRequest) -> EstimateResult:
     EstimationError
         It is too short or too empty for anything. A lost object is no error: the document says so.
     """
-    source = _source(request)
+    source = trial_source(request.trial, request.store)
+    calibration = None if request.calibration is None else request.store.get(request.calibration)
     draft = request.store.draft(
         stage=STAGE,
         stage_version=STAGE_VERSION,
         experiment=source.experiment,
-        parameters={},
-        inputs=(source.input,),
+        parameters={"figure": True} if request.figure else {},
+        inputs=(source.input, *((calibration.input(CALIBRATION),) if calibration else ())),
         command=request.command,
     )
     known = None if request.force else request.store.find_recipe(draft.recipe)
     if known is not None:
         return EstimateResult(known, parse(EstimateDocument, load(known.file(ESTIMATE))), reused=True)
     with draft:
-        found = estimate_recording(source.path)
-        document = _document(found, source.trial)
+        found = estimate_recording(source.path, read_calibration(calibration) if calibration else None)
+        document = _document(found, source.trial, calibration.id if calibration else None)
         _write(draft, found, document)
+        if request.figure:
+            _draw(draft, found, source.trial)
     return EstimateResult(draft.run, document, reused=False)
 
 
-def estimate_recording(path: Path) -> RecordedEstimate:
-    """Estimate a recording, wherever it lies, from nothing but itself."""
+def estimate_recording(path: Path, calibration: Calibration | None = None) -> RecordedEstimate:
+    """Estimate a recording, wherever it lies, from nothing but itself and, if there is one, a calibration."""
     recording = read_recording(path)
-    experiment = parse(Experiment, loads(_text(recording, "experiment.yaml"), f"{path}: experiment.yaml"))
-    plan = parse(PlanDocument, loads(_text(recording, "plan.yaml"), f"{path}: plan.yaml"))
+    mocap = recording.mocap() if calibration is None else calibrated(recording.mocap(), calibration)
+    purpose = purpose_of(recording)
+    experiment, plan = purpose.experiment, purpose.plan
     start_ns, stop_ns = (_stamp(recording, message) for message in (MOTION_STARTS, MOTION_ENDS))
     request = EstimationRequest(
-        mocap=recording.mocap(),
+        mocap=mocap,
         plane=motion_plane(experiment),
         block=block(experiment),
         normal_force_n=experiment.grasp.normal_force_n,
@@ -118,7 +129,7 @@ def estimate_recording(path: Path) -> RecordedEstimate:
 
 
 @dataclass(frozen=True, slots=True)
-class _Source:
+class TrialSource:
     """A recording: where it lies, which run made it, for which experiment."""
 
     path: Path
@@ -127,15 +138,41 @@ class _Source:
     input: InputRef
 
 
-def _source(request: EstimateRequest) -> _Source:
-    path = Path(request.trial)
+def trial_source(trial: str, store: Store) -> TrialSource:
+    """Find the recording of a trial, which is a run or the path of a recording.
+
+    Raises
+    ------
+    NotFoundError
+        There is no such run or file, or the run holds no recording.
+    InputError
+        The recording is damaged, or none of a trial.
+    """
+    path = Path(trial)
     if path.suffix == ".mcap":
         provenance = read_recording(path).metadata.get(PROVENANCE, {})
         if not {"run", "experiment"} <= provenance.keys():
             raise InputError(f"{path}: does not say which run recorded it for which experiment: not a recorded trial")
-        return _Source(path, provenance["run"], provenance["experiment"], outside_input(RECORDING, path))
-    run = request.store.get(request.trial)
-    return _Source(run.file(RECORDING), run.id, run.manifest.experiment, run.input(RECORDING))
+        return TrialSource(path, provenance["run"], provenance["experiment"], outside_input(RECORDING, path))
+    run = store.get(trial)
+    return TrialSource(run.file(RECORDING), run.id, run.manifest.experiment, run.input(RECORDING))
+
+
+@dataclass(frozen=True, slots=True)
+class Purpose:
+    """What a recording says that it was recorded for."""
+
+    experiment: Experiment
+    plan: PlanDocument
+
+
+def purpose_of(recording: Recording) -> Purpose:
+    """Read the plan and the experiment that a recording begins with."""
+    path = recording.path
+    return Purpose(
+        parse(Experiment, loads(_text(recording, "experiment.yaml"), f"{path}: experiment.yaml")),
+        parse(PlanDocument, loads(_text(recording, "plan.yaml"), f"{path}: plan.yaml")),
+    )
 
 
 def _text(recording: Recording, name: str) -> str:
@@ -152,8 +189,11 @@ def _stamp(recording: Recording, message: str) -> int:
     raise InputError(f"{recording.path}: does not say when the {message}: the trial was not run to its end")
 
 
-def _document(found: RecordedEstimate, trial: str) -> EstimateDocument:
+def _document(found: RecordedEstimate, trial: str, calibration: str | None) -> EstimateDocument:
     told = found.estimate
+    placed = (
+        f"cameras and markers are where calibration {calibration} found them; its uncertainty is in no interval here"
+    )
     slide = None
     if told.slide is not None:
         start_s, stop_s = (_since_start(found, time_s) for time_s in (told.slide.start_s, told.slide.stop_s))
@@ -170,7 +210,7 @@ def _document(found: RecordedEstimate, trial: str) -> EstimateDocument:
         slide=slide,
         friction=_friction(found),
         friction_missing_because=told.friction_reason,
-        notes=told.notes,
+        notes=told.notes if calibration is None else (*told.notes, placed),
         series_file=SMOOTHED_FILE,
     )
 
@@ -218,6 +258,21 @@ def _write(draft: Draft, found: RecordedEstimate, document: EstimateDocument) ->
         draft.report("kappa", kappa.value, std=kappa.std, unit="m/s^2")
     if document.lost is not None:
         draft.state = RunState.LOST
+
+
+def _draw(draft: Draft, found: RecordedEstimate, trial: str) -> None:
+    # Only those who ask for a picture wait for matplotlib.
+    from slidepipe.figures.estimated import draw_estimate  # noqa: PLC0415
+    from slidepipe.stages.estimate_picture import estimate_picture  # noqa: PLC0415
+
+    picture = estimate_picture(
+        found.estimate,
+        f"Estimate of trial {trial}: {found.experiment.name}",
+        start_ns=found.start_ns,
+        stop_s=found.plan.phases[-1].stop_s,
+        believed=found.plan.believed.kappa_m_s2,
+    )
+    draw_estimate(picture, draft.add(FIGURE, FIGURE_FILE))
 
 
 def _series(told: Estimate, smoothed: SmoothedSeries) -> PlanarSeries:

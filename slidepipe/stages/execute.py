@@ -173,7 +173,9 @@ def _outcome(mocap: MocapSeries, experiment: Experiment) -> Outcome:
     """Held, if the object was seen within its own reach of the hand in the last frames."""
     last = int(mocap.frames.frame[-1]) - round(0.2 * experiment.lab.cameras.rate_hz)
     hand = {int(frame): index for index, frame in enumerate(mocap.hand.sequence) if frame > last}
-    reach_m = np.hypot(experiment.object.size_x_m, experiment.object.size_y_m) / 2
+    seen = experiment.lab.cameras
+    markers_m = np.linalg.norm(seen.hand_markers.position_m) + np.linalg.norm(seen.object_markers.position_m)
+    reach_m = np.hypot(experiment.object.size_x_m, experiment.object.size_y_m) / 2 + markers_m
     near = [
         np.linalg.norm(mocap.object.position_m[index] - mocap.hand.position_m[hand[int(frame)]]) < reach_m
         for index, frame in enumerate(mocap.object.sequence)

@@ -7,10 +7,10 @@ from scipy.spatial.transform import Rotation
 
 from slidepipe.arm.model import Tool
 from slidepipe.artifacts.experiment import Experiment
-from slidepipe.artifacts.lab_setup import GraspError, Scatter
+from slidepipe.artifacts.lab_setup import GraspError, OffsetSetup, Scatter
 from slidepipe.artifacts.values import Pose
 from slidepipe.errors import InputError
-from slidepipe.lab.cameras import CameraSettings
+from slidepipe.lab.cameras import CameraSettings, Offset
 from slidepipe.lab.simulated import Tracker
 from slidepipe.lab.world import ContactSettings, WorldSettings
 from slidepipe.mechanics.dynamics import Block
@@ -168,4 +168,11 @@ def cameras(experiment: Experiment) -> CameraSettings:
         clock_drift_ppm=seen.clock_drift_ppm,
         latency_s=seen.latency_s,
         latency_jitter_s=seen.latency_jitter_s,
+        frame=_offset(seen.frame),
+        hand_markers=_offset(seen.hand_markers),
+        object_markers=_offset(seen.object_markers),
     )
+
+
+def _offset(offset: OffsetSetup) -> Offset:
+    return Offset(np.array(offset.position_m), np.array(offset.rotation_rad))

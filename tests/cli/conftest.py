@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner, Result
 
-from cli import campaign_samples, samples
+from cli import calibration_samples, campaign_samples, pooled_samples, samples, surface_samples
 from slidepipe.artifacts.run import Run
 from slidepipe.artifacts.schema import Artifact, dump_model
 from slidepipe.cli.main import cli
@@ -46,7 +46,18 @@ class FakeStages:
 @pytest.fixture(autouse=True)
 def stages(monkeypatch: pytest.MonkeyPatch) -> FakeStages:
     fakes = FakeStages()
-    for stage in ("plan", "execute", "estimate", "iterate", "campaign", "repeat", "sweep"):
+    for stage in (
+        "plan",
+        "execute",
+        "estimate",
+        "iterate",
+        "campaign",
+        "repeat",
+        "sweep",
+        "pool",
+        "surface",
+        "calibrate",
+    ):
         monkeypatch.setitem(sys.modules, f"slidepipe.stages.{stage}", fakes.module(stage))
     fakes.answer("plan", run=samples.plan_run(), document=samples.plan(), reused=False)
     fakes.answer("execute", run=samples.run(samples.TRIAL, "execute"), document=samples.trial(), truth=samples.truth())
@@ -54,6 +65,25 @@ def stages(monkeypatch: pytest.MonkeyPatch) -> FakeStages:
     fakes.answer("iterate", run=samples.plan_run(), document=samples.plan(trial=2), why=None, reused=False)
     fakes.answer("repeat", run=samples.run(samples.CAMPAIGN, "repeat"), document=campaign_samples.repeat())
     fakes.answer("sweep", run=samples.run(samples.CAMPAIGN, "sweep"), document=campaign_samples.sweep())
+    fakes.answer(
+        "pool",
+        run=samples.run(pooled_samples.POOLED, "pool"),
+        document=pooled_samples.pooled(),
+        estimates=(SimpleNamespace(document=samples.estimate()), None),
+        reused=False,
+    )
+    fakes.answer(
+        "surface",
+        run=samples.run(surface_samples.SURFACE, "surface"),
+        document=surface_samples.surface(),
+        reused=False,
+    )
+    fakes.answer(
+        "calibrate",
+        run=samples.run(calibration_samples.CALIBRATION, "calibrate"),
+        document=calibration_samples.calibration(),
+        reused=False,
+    )
     fakes.answer(
         "campaign",
         run=samples.run(samples.CAMPAIGN, "campaign"),

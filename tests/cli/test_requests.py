@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from cli import samples
+from cli import pooled_samples, samples
 from slidepipe.artifacts.store import Store
 from slidepipe.cli import render
 
@@ -49,8 +49,34 @@ def test_estimate(call, stages) -> None:
         "trial": "m0x7",
         "store": Store(Path("from-the-environment")),
         "force": False,
+        "figure": False,
+        "calibration": None,
         "command": ("slidepipe", "estimate", "m0x7"),
     }
+
+
+def test_estimate_of_several_trials(call, stages) -> None:
+    call("estimate", "m0x7", "away/trial.mcap", "--force")
+    assert asked(stages) == {
+        "trials": ("m0x7", "away/trial.mcap"),
+        "store": Store(Path("data")),
+        "force": True,
+        "figure": False,
+        "calibration": None,
+        "command": ("slidepipe", "estimate", "m0x7", "away/trial.mcap", "--force"),
+    }
+
+
+def test_several_trials_as_one_object(call, stages) -> None:
+    result = call("estimate", "x", "y", "--json")
+    assert (result.exit_code, result.stderr) == (0, "")
+    told = json.loads(result.stdout)
+    assert list(told) == ["schema", "run", "directory", "reused", "document", "estimates"]
+    assert told["schema"] == "slidepipe.pool_result/1"
+    assert told["document"]["schema"] == "slidepipe.pooled/1"
+    assert [one and one["schema"] for one in told["estimates"]] == ["slidepipe.estimate/1", None]
+    stages.answers["pool"].document = pooled_samples.pooled(friction=False)
+    assert call("estimate", "x", "y", "--json").exit_code == 1
 
 
 def test_iterate(call, stages) -> None:

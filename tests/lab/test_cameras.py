@@ -8,7 +8,7 @@ from lab_setups import CAMERAS
 from scipy.spatial.transform import Rotation
 
 from slidepipe.errors import InputError
-from slidepipe.lab.cameras import Cameras, CameraSettings
+from slidepipe.lab.cameras import Cameras, CameraSettings, Offset
 from slidepipe.lab.protocols import MocapFrame
 
 FRAMES = 4000
@@ -17,7 +17,7 @@ HAND = (np.array([0.5, -0.3, 0.6]), Rotation.from_rotvec([0.3, -1.0, 2.0]).as_ma
 BLOCK = (np.array([0.52, -0.31, 0.58]), Rotation.from_rotvec([1.0, 0.5, -0.7]).as_matrix())
 
 
-def watch(seed: int = 0, count: int = FRAMES, **changes: float) -> list[MocapFrame]:
+def watch(seed: int = 0, count: int = FRAMES, **changes: object) -> list[MocapFrame]:
     """Frames of a hand and a block at rest."""
     settings = dataclasses.replace(CAMERAS, **changes)
     cameras = Cameras(settings, CENTRE, np.random.default_rng(seed))
@@ -49,6 +49,22 @@ def test_cameras_without_noise_show_the_truth_in_single_precision() -> None:
     np.testing.assert_array_equal(frame.hand.position_m, HAND[0].astype(np.float32))
     seen = Rotation.from_quat(frame.hand.quaternion_xyzw).as_matrix()
     np.testing.assert_allclose(seen, HAND[1], atol=3e-7)
+
+
+def test_cameras_of_another_frame_track_markers_beside_the_bodies() -> None:
+    frame = Offset(np.array([1.0, 2.0, 3.0]), np.array([0.4, -0.3, 1.1]))
+    markers = Offset(np.array([0.01, -0.02, 0.03]), np.array([0.2, 0.1, -0.5]))
+    seen = watch(
+        count=1, position_noise_m=0.0, angle_noise_rad=0.0, dropout_share=0.0, frame=frame, hand_markers=markers
+    )[0]
+    to_base = Rotation.from_rotvec(frame.rotation_rad)
+    hand, block = seen.hand, seen.object
+    np.testing.assert_allclose(
+        to_base.apply(hand.position_m) + frame.position_m, HAND[0] + HAND[1] @ markers.position_m, atol=1e-6
+    )
+    expected = HAND[1] @ Rotation.from_rotvec(markers.rotation_rad).as_matrix()
+    np.testing.assert_allclose((to_base * Rotation.from_quat(hand.quaternion_xyzw)).as_matrix(), expected, atol=1e-6)
+    np.testing.assert_allclose(to_base.apply(block.position_m) + frame.position_m, BLOCK[0], atol=1e-6)
 
 
 @pytest.mark.parametrize("share", [0.02, 0.3])

@@ -32,6 +32,7 @@ def estimate_view(estimate: EstimateDocument, run: Run) -> list[RenderableType]:
         facts([*_lost(estimate), *_friction(estimate), *_recording(estimate)]),
         "",
         str(run.directory / "estimate.yaml"),
+        *(str(run.directory / output.file) for output in run.manifest.outputs if output.role == "figure"),
     ]
 
 
