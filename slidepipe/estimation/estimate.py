@@ -159,11 +159,11 @@ def _motion(request: EstimationRequest, tracks: Tracks, segments: _Segments, fin
     body = smooth(time_s, tracks.object, rest_noise(tracks.object, held), moving)
     noise = rest_noise(tracks.relative, held)
     relative = smooth(time_s, tracks.relative, noise, moving)
-    found = find_slide(time_s, relative, request.rho_m, _in_hand(request, tracks, relative, moving))
+    found = find_slide(time_s, relative, request.rho_m, moving & _in_hand(request, tracks, relative))
     if found.slide is not None:
         near = (time_s > found.slide.start_s - AROUND_SLIDE_S) & (time_s < found.slide.stop_s + AROUND_SLIDE_S)
         relative = smooth(time_s, tracks.relative, noise, near)
-        found = find_slide(time_s, relative, request.rho_m, _in_hand(request, tracks, relative, moving))
+        found = find_slide(time_s, relative, request.rho_m, moving & _in_hand(request, tracks, relative))
     if found.slide is not None:
         found = replace(found, slide=_with_ends(found.slide, tracks, relative, request.rho_m))
     return _Motion(hand, body, relative, found)
@@ -176,15 +176,15 @@ def _with_ends(slide: Slide, tracks: Tracks, relative: SmoothedSeries, rho_m: fl
     return refine_ends(slide, path, float(tracks.time_s[top]))
 
 
-def _in_hand(request: EstimationRequest, tracks: Tracks, relative: SmoothedSeries, moving: BoolArray) -> BoolArray:
-    """Frames of the motion with the contact no further out than the block's corners, away from long gaps."""
+def _in_hand(request: EstimationRequest, tracks: Tracks, relative: SmoothedSeries) -> BoolArray:
+    """Frames with the contact no further out than the block's corners, away from long gaps."""
     on_block = (
         np.hypot(relative.pose[:, 0], relative.pose[:, 1]) < np.hypot(request.block.length, request.block.width) / 2
     )
     seen = tracks.time_s[tracks.relative.valid]
     after = np.minimum(np.searchsorted(seen, tracks.time_s), len(seen) - 1)
     gap = np.diff(seen, prepend=seen[:1])[after]
-    return np.asarray(moving & on_block & (gap < LONGEST_GAP_S) & (tracks.time_s <= seen[-1]))
+    return np.asarray(on_block & (gap < LONGEST_GAP_S) & (tracks.time_s <= seen[-1]))
 
 
 def _friction(request: EstimationRequest, tracks: Tracks, motion: _Motion) -> FrictionFinding:
@@ -192,7 +192,16 @@ def _friction(request: EstimationRequest, tracks: Tracks, motion: _Motion) -> Fr
     if slide is None:
         return FrictionFinding(None, motion.found.reason)
     inside = sliding_window(tracks.time_s, motion.relative, slide, request.rho_m)
-    window = SlideWindow(tracks.time_s, tracks.hand, tracks.object, motion.hand, motion.object, motion.relative, inside)
+    window = SlideWindow(
+        time_s=tracks.time_s,
+        hand=tracks.hand,
+        object=tracks.object,
+        hand_smooth=motion.hand,
+        object_smooth=motion.object,
+        relative_smooth=motion.relative,
+        inside=inside,
+        usable=_in_hand(request, tracks, motion.relative),
+    )
     return fit_friction(request, slide, window)
 
 

@@ -96,7 +96,7 @@ def test_a_small_correction_is_given_widely_or_refused():
             assert "refused" in found.friction_reason
             continue
         error = np.log(found.friction.kappa_m_s2 / world.kappa)
-        assert 0.008 < found.friction.kappa_relative_sd < 0.1
+        assert 0.002 < found.friction.kappa_relative_sd < 0.1
         assert abs(error) < 3.0 * found.friction.kappa_relative_sd
 
 
