@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from slidepipe.arm.model import HAND
-from slidepipe.series import FloatArray
+from slidepipe.series import FloatArray, JointSeries, PoseSeries
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,6 +16,13 @@ class HandError:
 
     position_m: FloatArray
     angle_rad: FloatArray
+
+
+def hand_poses(model: mujoco.MjModel, joints: JointSeries) -> PoseSeries:
+    """Pose of the hand {f} in the base frame for each joint state, on the same stamps."""
+    position, matrix = _hand_poses(model, joints.position_rad)
+    quaternion = Rotation.from_matrix(matrix).as_quat()
+    return PoseSeries(joints.stamp_ns, position, quaternion, np.arange(len(position)))
 
 
 def hand_error(model: mujoco.MjModel, joints_rad: FloatArray, other_rad: FloatArray) -> HandError:

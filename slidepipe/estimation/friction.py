@@ -21,6 +21,8 @@ WORST_CHI_SQUARE = 2.0
 MOST_OUTLIERS = 0.1
 LARGEST_SD = 0.10
 START_RANGE = 2.0
+RHO_TOLD = 0.03
+"""Largest standard deviation, over its value, at which rho counts as measured."""
 AT_ODDS = 3.5
 """Standard deviations by which the slide alone may differ from the whole, before it is believed alone."""
 NORMAL_95 = 1.959964
@@ -56,6 +58,8 @@ class FrictionEstimate:
         Torsion constant times contact radius. The assumed value enters with the standard deviation of the request.
     rho_relative_sd : float
         Its standard deviation over its value; near the assumed one the slide said nothing of it.
+    rho_told : bool
+        Whether the slide turned enough to tell it.
     growth_s_m, growth_sd_s_m : float
         Growth of friction with sliding speed, s/m; zero where it was taken as constant.
     bias : float
@@ -83,6 +87,7 @@ class FrictionEstimate:
     mu_interval: Interval
     rho_m: float
     rho_relative_sd: float
+    rho_told: bool
     growth_s_m: float
     growth_sd_s_m: float
     bias: float
@@ -228,6 +233,7 @@ def _relative_sd(joint: JointFit) -> float:
 
 def _report(request: EstimationRequest, weak: WeakFit, fits: _Fits) -> FrictionEstimate:
     joint = fits.told
+    rho_sd = WIDER * joint.rho_log_sd * max(1.0, joint.chi_square) ** 0.5
     sd = _relative_sd(joint)
     low, high = joint.kappa * np.exp(-NORMAL_95 * sd), joint.kappa * np.exp(NORMAL_95 * sd)
     per_kappa = request.block.m / request.normal_force_n
@@ -238,7 +244,8 @@ def _report(request: EstimationRequest, weak: WeakFit, fits: _Fits) -> FrictionE
         mu=joint.kappa * per_kappa,
         mu_interval=Interval(float(low * per_kappa), float(high * per_kappa)),
         rho_m=joint.rho_m,
-        rho_relative_sd=joint.rho_log_sd * max(1.0, joint.chi_square) ** 0.5,
+        rho_relative_sd=rho_sd,
+        rho_told=bool(rho_sd < RHO_TOLD),
         growth_s_m=joint.growth_s_m,
         growth_sd_s_m=joint.growth_sd_s_m,
         bias=joint.bias,

@@ -75,7 +75,7 @@ def rough_noise(track: Track) -> FloatArray:
     third = np.diff(track.pose[rows], n=3, axis=0)[rows[3:] - rows[:-3] == 3]
     if not len(third):
         return FLOOR
-    return np.maximum(np.median(np.abs(third), axis=0) / (0.6745 * np.sqrt(20.0)), FLOOR)
+    return np.asarray(np.maximum(np.median(np.abs(third), axis=0) / (0.6745 * np.sqrt(20.0)), FLOOR))
 
 
 def _both_ways(time_s: FloatArray, track: Track, noise: FloatArray, density: FloatArray) -> BoolArray:

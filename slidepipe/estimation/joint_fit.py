@@ -31,8 +31,8 @@ DIRECTIONS = 24
 """Random directions that the second derivatives are averaged over."""
 OUTLIER = 27.0
 TOLD_SD = 0.2
-SHARES = (1.0, 0.95, 0.9, 1.05)
-"""Of the first kappa, from which to search until the poses fit."""
+OTHER_SHARES = (0.95, 0.9, 1.05)
+"""Of the first kappa, from which to search again until the poses fit."""
 FITS = 1.5
 MOST_OUTLIERS = 0.1
 
@@ -115,13 +115,12 @@ class JointFit:
 
 def joint_fit(window: SlideWindow, block: Block, start: JointStart, laws: Laws) -> JointFit:
     """Fit hand, object and friction to the measured poses around a slide."""
-    problem, best = _Problem(window, block, start, laws), None
-    for share in SHARES:
-        found = _search(problem, share)
-        if best is None or found.cost < best.cost:
-            best = found
+    problem = _Problem(window, block, start, laws)
+    best = _search(problem, 1.0)
+    for share in OTHER_SHARES:
         if problem.fits(best):
             break
+        best = min(best, _search(problem, share), key=lambda found: found.cost)
     return _report(problem, best)
 
 

@@ -8,7 +8,7 @@ from slidepipe.errors import InputError
 from slidepipe.estimation.laws import Laws
 from slidepipe.mechanics.dynamics import Block
 from slidepipe.mechanics.planar import MotionPlane
-from slidepipe.series import MocapSeries
+from slidepipe.series import FloatArray, MocapSeries, PoseSeries
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +36,10 @@ class EstimationRequest:
         Where the plan slides; a guide only.
     motion_start_ns, motion_stop_ns : int
         The hand rests outside these.
+    joint_hand : PoseSeries or None
+        {f} in the base frame by the measured joints, on the host's clock; it tells the offset between both clocks.
+    start_relative_pose : (3,) or None
+        r_f_b that was planned for the start; an object that is far from it is another body.
     laws : Laws
         Which laws of friction and gravity the fit assumes, and how surely.
     """
@@ -51,6 +55,8 @@ class EstimationRequest:
     slide_stop_ns: int
     motion_start_ns: int
     motion_stop_ns: int
+    joint_hand: PoseSeries | None = None
+    start_relative_pose: FloatArray | None = None
     laws: Laws = field(default_factory=Laws)
 
     def __post_init__(self) -> None:

@@ -58,6 +58,9 @@ class Cameras:
     clock_drift_ppm: float = 20.0
     latency_jitter_s: float = 0.0004
     gap_s: tuple = ()
+    outlier_share: float = 0.0
+    joints_late_s: float = 0.0
+    tilt_rad: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -235,7 +238,11 @@ def record(world, cameras):
         valid = rng.uniform(size=len(time)) > cameras.dropout_share
         if cameras.gap_s:
             valid &= ~((time > cameras.gap_s[0]) & (time < cameras.gap_s[1]))
-        seen.append((valid, _poses(pose, rng, cameras)))
+        if cameras.tilt_rad:
+            pose = _tilted(pose, cameras.tilt_rad)
+        position, quaternion = _poses(pose, rng, cameras)
+        _spoil(position, quaternion, cameras)
+        seen.append((valid, (position, quaternion)))
     host = np.round(1e9 * (time - world.time[0] + host_zero)).astype(np.int64)
     received = host + 6_000_000 + np.round(1e9 * rng.exponential(cameras.latency_jitter_s, len(time))).astype(np.int64)
     frame = np.arange(100, 100 + len(time))
@@ -245,6 +252,30 @@ def record(world, cameras):
     ]
     frames = FrameSeries(frame, ticks, received, seen[0][0], seen[1][0])
     return MocapSeries(frames, bodies[0], bodies[1], _echoes(host[-1] / 1e9, rng, cameras))
+
+
+def _tilted(pose, angle):
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack([c * pose[:, 0] - s * pose[:, 1], s * pose[:, 0] + c * pose[:, 1], pose[:, 2] + angle], axis=1)
+
+
+def _spoil(position, quaternion, cameras):
+    """Gross outliers: a pose anywhere within 1 to 100 mm and up to half a turn of the true one."""
+    rng = np.random.default_rng([cameras.seed, len(position), round(1e9 * abs(position[0, 0]))])
+    wrong = np.flatnonzero(rng.uniform(size=len(position)) < cameras.outlier_share)
+    size = 10.0 ** rng.uniform(-3.0, -1.0, (len(wrong), 1))
+    position[wrong] += size * rng.normal(size=(len(wrong), 3))
+    turn = Rotation.from_rotvec(15.0 * size * rng.normal(size=(len(wrong), 3)))
+    if len(wrong):
+        quaternion[wrong] = (turn * Rotation.from_quat(quaternion[wrong])).as_quat()
+
+
+def joint_hand(world, late_s):
+    """The hand by the joint log at 500 Hz, whose clock is behind by ``late_s``; encoders have hardly any noise."""
+    time = np.arange(world.time[0] + 1e-3, world.time[-1] - 1e-3, 0.002)
+    position, matrix = PLANE.lift(CubicSpline(world.time, world.hand)(time))
+    stamps = np.round(1e9 * (time - world.time[0] + 0.7 - late_s)).astype(np.int64)
+    return PoseSeries(stamps, position, Rotation.from_matrix(matrix).as_quat(), np.arange(len(time)))
 
 
 def _ticks(host_s, cameras):
@@ -280,10 +311,12 @@ def request(world, cameras, **changes):
     zero = 0.7 + REST
 
     def stamp(seconds):
-        return round(1e9 * (zero + seconds))
+        return round(1e9 * (zero + seconds - cameras.joints_late_s))
 
     values = {
         "mocap": record(world, cameras),
+        "joint_hand": joint_hand(world, cameras.joints_late_s),
+        "start_relative_pose": np.array(case.r_start),
         "plane": PLANE,
         "block": BLOCK,
         "normal_force_n": case.f_N,
