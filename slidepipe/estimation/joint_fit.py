@@ -255,7 +255,8 @@ def _bias(problem: _Problem, found: _Found, covariance: FloatArray) -> FloatArra
     """Second-order bias of the estimate from the noise (Box), its trace averaged over random directions."""
     signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(DIRECTIONS, len(found.z)))
     measured = found.information - found.prior
-    scatter = np.einsum("ij,jk,kl->il", covariance, measured, covariance, optimize=True)
+    # By einsum and not by @: threaded linear algebra waits for cores that others use.
+    scatter = np.einsum("ij,jk->ik", np.einsum("ij,jk->ik", covariance, measured), covariance)
     data = problem.arguments
     return np.asarray(kernel.bias_of(found.z, *data[:3], data[4], found.squares, TAIL, covariance, scatter, signs))
 

@@ -126,13 +126,16 @@ def real_hand(case, seed, error_m=0.001, blur_s=0.004):
     return CubicSpline(time[every], (blurred + error * window[:, None])[every], bc_type="clamped")
 
 
-def simulate(case, mu, seed, **hand_options):
-    """Integrate the object under the true friction, event by event."""
+def simulate(case, mu, seed, *, growth=0.0, static=1.0, **hand_options):
+    """Integrate the object under the true friction, event by event.
+
+    Friction grows with speed by ``growth`` (s/m), and a block that sticks holds ``static`` times as much.
+    """
     hand = real_hand(case, seed, **hand_options)
     finger = case.finger(mu)
     kappa, rho = mu * case.f_N / BLOCK.m, 0.6 * case.a
     time = np.arange(hand.x[0], hand.x[-1] - 1e-9, 2.5e-4)
-    contact = _Contact(hand, kappa, rho)
+    contact = _Contact(hand, kappa, rho, growth, static)
     q_o = np.empty((len(time), 3))
     t, r, slides = time[0], np.array(case.r_start), []
     done = 0
@@ -159,8 +162,8 @@ def simulate(case, mu, seed, **hand_options):
 class _Contact:
     """Stick and slip of the block under a hand that is given as a spline."""
 
-    def __init__(self, hand, kappa, rho):
-        self.hand, self.kappa, self.rho = hand, kappa, rho
+    def __init__(self, hand, kappa, rho, growth, static):
+        self.hand, self.kappa, self.rho, self.growth, self.static = hand, kappa, rho, growth, static
         self.per_inertia = BLOCK.m / BLOCK.inertia
 
     def stuck_object(self, time, r):
@@ -181,12 +184,12 @@ class _Contact:
         return np.concatenate([f, moment[:, None] / self.rho], 1)
 
     def first_slip(self, time, r):
-        over = np.flatnonzero(np.linalg.norm(self.need(time, r), axis=1) > 1.0)
+        over = np.flatnonzero(np.linalg.norm(self.need(time, r), axis=1) > self.static)
         if not len(over):
             return None
         last = time[over[0]]
         fine = np.linspace(last - 2.5e-4, last, 200)
-        return fine[np.argmax(np.linalg.norm(self.need(fine, r), axis=1) > 1.0)]
+        return fine[np.argmax(np.linalg.norm(self.need(fine, r), axis=1) > self.static)]
 
     def slide(self, start, r, end):
         at = np.array([start])
@@ -217,8 +220,9 @@ class _Contact:
         s = self.slip(t, y)
         u = s / np.linalg.norm(s)
         d = self.hand(t)[:2] - y[:2]
-        turn = self.kappa * self.per_inertia * (self.rho * u[2] + d[0] * u[1] - d[1] * u[0])
-        return np.array([y[3], y[4], y[5], self.kappa * u[0], self.kappa * u[1] - GRAVITY, turn])
+        kappa = self.kappa * (1.0 + self.growth * np.linalg.norm(s))
+        turn = kappa * self.per_inertia * (self.rho * u[2] + d[0] * u[1] - d[1] * u[0])
+        return np.array([y[3], y[4], y[5], kappa * u[0], kappa * u[1] - GRAVITY, turn])
 
     def relative(self, t, y):
         q_f = self.hand(t)
