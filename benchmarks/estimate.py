@@ -90,6 +90,8 @@ def _estimates(count: int) -> dict[str, float]:
     _trial((0, 0))
     alone = [_timed(lambda seed=seed: _estimated(seed)) for seed in range(12)]
     workers = os.cpu_count() or 1
+    # The trials share the cores: numpy's own threads would only wait for each other.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     with ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn")) as pool:
         list(pool.map(_trial, [(world, 0) for world in range(WORLDS)]))
         began = time.perf_counter()
