@@ -4,6 +4,7 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
 DEV    := $(VENV)/.installed-dev
+PEERS  := $(VENV)/.installed-bench
 
 .DEFAULT_GOAL := help
 .PHONY: help demo test check bench real-data recorded clean
@@ -22,6 +23,10 @@ $(DEV): pyproject.toml | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
 	@touch $@ $(STAMP)
 
+$(PEERS): pyproject.toml | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
+	@touch $@ $(STAMP)
+
 demo: $(STAMP)  ## install, then plan, execute, estimate and iterate a regrasp on the simulated lab
 	$(BIN)/slidepipe run experiments/regrasp.yaml
 
@@ -34,7 +39,7 @@ check: $(DEV)  ## lint, types and layers
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: $(STAMP)  ## measure speed and accuracy against scipy and MuJoCo
+bench: $(PEERS)  ## install the peers, then measure speed and accuracy against them
 	for benchmark in benchmarks/*.py; do echo "== $$benchmark"; $(BIN)/python $$benchmark || exit 1; done
 
 real-data: $(STAMP)  ## judge the estimators on public recordings, and write docs/real-data.md again

@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from slidepipe.arm.model import HAND
-from slidepipe.series import FloatArray
+from slidepipe.series import FloatArray, JointSeries, PoseSeries
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,10 +18,17 @@ class HandError:
     angle_rad: FloatArray
 
 
+def hand_poses(model: mujoco.MjModel, joints: JointSeries) -> PoseSeries:
+    """Pose of the hand {f} in the base frame for each joint state, on the same stamps."""
+    position, matrix = _hand_poses(model, joints.position_rad)
+    quaternion = Rotation.from_matrix(matrix).as_quat() if len(matrix) else np.zeros((0, 4))
+    return PoseSeries(joints.stamp_ns, position, quaternion, np.arange(len(position), dtype=np.int64))
+
+
 def hand_error(model: mujoco.MjModel, joints_rad: FloatArray, other_rad: FloatArray) -> HandError:
     """How far apart the hand is for two joint trajectories (T, 7), commanded and measured say."""
-    position, matrix = hand_poses(model, joints_rad)
-    other_position, other_matrix = hand_poses(model, other_rad)
+    position, matrix = _hand_poses(model, joints_rad)
+    other_position, other_matrix = _hand_poses(model, other_rad)
     trace = np.einsum("tij,tij->t", matrix, other_matrix)
     return HandError(
         position_m=np.linalg.norm(position - other_position, axis=1),
@@ -28,7 +36,7 @@ def hand_error(model: mujoco.MjModel, joints_rad: FloatArray, other_rad: FloatAr
     )
 
 
-def hand_poses(model: mujoco.MjModel, joints_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _hand_poses(model: mujoco.MjModel, joints_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Positions (T, 3) and rotation matrices (T, 3, 3) of {f} in the base frame for joint angles (T, 7)."""
     data = mujoco.MjData(model)
     position, matrix = np.empty((len(joints_rad), 3)), np.empty((len(joints_rad), 3, 3))

@@ -3,11 +3,15 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from slidepipe.errors import EstimationError
+from slidepipe.errors import EstimationError, InputError
+from slidepipe.estimation import remarks
 from slidepipe.estimation.clock import ClockFit, fit_clock
 from slidepipe.estimation.friction import FrictionEstimate, FrictionFinding, fit_friction, sliding_window
-from slidepipe.estimation.plane import PlanarBody, to_plane
+from slidepipe.estimation.gate import rough_noise
+from slidepipe.estimation.hand_clock import JointClock, fit_joint_clock
+from slidepipe.estimation.plane import to_plane
 from slidepipe.estimation.poses import Tracks, align
 from slidepipe.estimation.request import EstimationRequest
 from slidepipe.estimation.rest import RestFinding, RestPose, find_rest
@@ -20,8 +24,7 @@ from slidepipe.series import BoolArray
 AROUND_SLIDE_S = 0.06
 FEWEST_REST_FRAMES = 20
 LONGEST_GAP_S = 0.05
-OFF_PLANE_M = 0.002
-OFF_PLANE_RAD = 0.05
+OTHER_BODY_M, OTHER_BODY_RAD = 0.03, 0.6
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +35,9 @@ class Estimate:
     ----------
     clock : ClockFit
         Camera ticks to host time.
+    joints : JointClock or None
+        What is left between the cameras' clock and the joint log's, already taken off the stamps, and the turn of
+        gravity in the cameras' plane; None where no joints were given.
     tracks : Tracks
         Measured planar poses on the camera frames, host time.
     hand, object, relative : SmoothedSeries
@@ -52,11 +58,14 @@ class Estimate:
         None if there is no slide or it does not tell.
     friction_reason : str or None
         Why there is no friction.
+    not_told : tuple of str
+        What the motion cannot tell.
     notes : tuple of str
-        What the motion cannot tell, and what looks odd.
+        What looks odd, and what to keep in mind.
     """
 
     clock: ClockFit
+    joints: JointClock | None
     tracks: Tracks
     hand: SmoothedSeries
     object: SmoothedSeries
@@ -70,6 +79,7 @@ class Estimate:
     slide_threshold_m_s: float
     friction: FrictionEstimate | None
     friction_reason: str | None
+    not_told: tuple[str, ...]
     notes: tuple[str, ...]
 
     def host_ns(self, time_s: float) -> int:
@@ -94,13 +104,20 @@ def estimate(request: EstimationRequest) -> Estimate:
     )
     frames = request.mocap.frames
     tracks = align(frames, clock.to_host(frames.ticks), *bodies, request.relative_angle_rad)
+    joints = _joints(request, tracks)
+    if joints is not None:
+        tracks = replace(tracks, stamp_ns=tracks.stamp_ns - round(1e9 * joints.offset_s))
+        laws = replace(request.laws, gravity_angle_rad=joints.tilt_rad, gravity_angle_sd_rad=joints.tilt_sd_rad)
+        request = replace(request, laws=laws)
     segments = _segments(request, tracks)
     initial = find_rest(tracks, segments.before, "before the motion")
     final = find_rest(tracks, segments.after, "after the motion")
     motion = _motion(request, tracks, segments, final)
     friction = _friction(request, tracks, motion)
+    _same_body(request, initial)
     return Estimate(
         clock=clock,
+        joints=joints,
         tracks=tracks,
         hand=motion.hand,
         object=motion.object,
@@ -114,8 +131,42 @@ def estimate(request: EstimationRequest) -> Estimate:
         slide_threshold_m_s=motion.found.threshold_m_s,
         friction=friction.friction,
         friction_reason=friction.reason,
-        notes=_notes(request, tracks, bodies, motion.found, friction),
+        not_told=remarks.not_told(request, friction),
+        notes=remarks.notes(request, tracks, bodies, motion.found, friction),
     )
+
+
+def _joints(request: EstimationRequest, tracks: Tracks) -> JointClock | None:
+    """Offset and tilt by the joints; stamps that go back are told."""
+    series = request.joint_hand
+    if series is None:
+        return None
+    if len(series.stamp_ns) < FEWEST_REST_FRAMES:
+        raise EstimationError(
+            f"joints: {len(series.stamp_ns)} states were recorded, at least {FEWEST_REST_FRAMES} are needed"
+        )
+    back = np.flatnonzero(np.diff(series.stamp_ns) <= 0)
+    if len(back):
+        raise InputError(f"joints: the clock goes back after state {back[0]}; stamps must increase")
+    if not (np.isfinite(series.position_m).all() and np.isfinite(series.quaternion_xyzw).all()):
+        raise InputError("joints: the hand's pose by the joints is not finite: a joint angle is not a number")
+    pose = request.plane.project(series.position_m, Rotation.from_quat(series.quaternion_xyzw).as_matrix())
+    joints_s = (series.stamp_ns - tracks.stamp_ns[0]) * 1e-9
+    return fit_joint_clock(tracks.time_s, tracks.hand, rough_noise(tracks.hand), joints_s, pose)
+
+
+def _same_body(request: EstimationRequest, initial: RestFinding) -> None:
+    """Refuse an object that is not where the plan begins: the cameras tracked another body by its name."""
+    if request.start_relative_pose is None or initial.rest is None:
+        return
+    away = initial.rest.pose - request.start_relative_pose
+    turn = abs((away[2] + np.pi) % (2.0 * np.pi) - np.pi)
+    distance = float(np.hypot(away[0], away[1]))
+    if distance > OTHER_BODY_M or turn > OTHER_BODY_RAD:
+        raise InputError(
+            f"object poses: the finger is {1e3 * distance:.0f} mm and {turn:.2f} rad from where the plan begins, at "
+            f"most {1e3 * OTHER_BODY_M:g} mm and {OTHER_BODY_RAD:g} rad are possible: the cameras tracked another body"
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,11 +210,11 @@ def _motion(request: EstimationRequest, tracks: Tracks, segments: _Segments, fin
     body = smooth(time_s, tracks.object, rest_noise(tracks.object, held), moving)
     noise = rest_noise(tracks.relative, held)
     relative = smooth(time_s, tracks.relative, noise, moving)
-    found = find_slide(time_s, relative, request.rho_m, _in_hand(request, tracks, relative, moving))
+    found = find_slide(time_s, relative, request.rho_m, moving & _in_hand(request, tracks, relative))
     if found.slide is not None:
         near = (time_s > found.slide.start_s - AROUND_SLIDE_S) & (time_s < found.slide.stop_s + AROUND_SLIDE_S)
         relative = smooth(time_s, tracks.relative, noise, near)
-        found = find_slide(time_s, relative, request.rho_m, _in_hand(request, tracks, relative, moving))
+        found = find_slide(time_s, relative, request.rho_m, moving & _in_hand(request, tracks, relative))
     if found.slide is not None:
         found = replace(found, slide=_with_ends(found.slide, tracks, relative, request.rho_m))
     return _Motion(hand, body, relative, found)
@@ -176,15 +227,15 @@ def _with_ends(slide: Slide, tracks: Tracks, relative: SmoothedSeries, rho_m: fl
     return refine_ends(slide, path, float(tracks.time_s[top]))
 
 
-def _in_hand(request: EstimationRequest, tracks: Tracks, relative: SmoothedSeries, moving: BoolArray) -> BoolArray:
-    """Frames of the motion with the contact no further out than the block's corners, away from long gaps."""
+def _in_hand(request: EstimationRequest, tracks: Tracks, relative: SmoothedSeries) -> BoolArray:
+    """Frames with the contact no further out than the block's corners, away from long gaps."""
     on_block = (
         np.hypot(relative.pose[:, 0], relative.pose[:, 1]) < np.hypot(request.block.length, request.block.width) / 2
     )
     seen = tracks.time_s[tracks.relative.valid]
     after = np.minimum(np.searchsorted(seen, tracks.time_s), len(seen) - 1)
     gap = np.diff(seen, prepend=seen[:1])[after]
-    return np.asarray(moving & on_block & (gap < LONGEST_GAP_S) & (tracks.time_s <= seen[-1]))
+    return np.asarray(on_block & (gap < LONGEST_GAP_S) & (tracks.time_s <= seen[-1]))
 
 
 def _friction(request: EstimationRequest, tracks: Tracks, motion: _Motion) -> FrictionFinding:
@@ -192,39 +243,14 @@ def _friction(request: EstimationRequest, tracks: Tracks, motion: _Motion) -> Fr
     if slide is None:
         return FrictionFinding(None, motion.found.reason)
     inside = sliding_window(tracks.time_s, motion.relative, slide, request.rho_m)
-    window = SlideWindow(tracks.time_s, tracks.hand, tracks.object, motion.hand, motion.object, motion.relative, inside)
+    window = SlideWindow(
+        time_s=tracks.time_s,
+        hand=tracks.hand,
+        object=tracks.object,
+        hand_smooth=motion.hand,
+        object_smooth=motion.object,
+        relative_smooth=motion.relative,
+        inside=inside,
+        usable=_in_hand(request, tracks, motion.relative),
+    )
     return fit_friction(request, slide, window)
-
-
-def _notes(
-    request: EstimationRequest,
-    tracks: Tracks,
-    bodies: tuple[PlanarBody, PlanarBody],
-    found: SlideFinding,
-    friction: FrictionFinding,
-) -> tuple[str, ...]:
-    notes = []
-    if friction.friction is not None:
-        notes.append(
-            "motion tells kappa = mu f_N / m only: mu is with the assumed normal force "
-            f"{request.normal_force_n:g} N and mass {request.block.m:g} kg, and as wrong as these are"
-        )
-        told = friction.friction.rho_relative_sd < 0.03
-        notes.append(
-            "motion tells the torsion constant and the contact radius only as their product"
-            if told
-            else f"the slide hardly turned: it tells nothing of the torsion, rho is the assumed {request.rho_m:g} m"
-        )
-    if found.slide is not None:
-        start, stop = (int(tracks.stamp_ns[0]) + s * 1e9 for s in (found.slide.start_s, found.slide.stop_s))
-        if stop < request.slide_start_ns or start > request.slide_stop_ns:
-            notes.append("the main slide lies wholly outside the planned sliding phase")
-        if found.slide.pieces > 1:
-            notes.append(f"the object slid in {found.slide.pieces} pieces: the longest is reported")
-    if tracks.spikes:
-        notes.append(f"{tracks.spikes} poses far from their neighbours were left out")
-    for name, body in zip(("hand", "object"), bodies, strict=True):
-        distance, tilt = float(np.median(np.abs(body.distance_m))), float(np.median(body.tilt_rad))
-        if distance > OFF_PLANE_M or tilt > OFF_PLANE_RAD:
-            notes.append(f"the {name} was {distance * 1e3:.1f} mm and {tilt * 1e3:.0f} mrad off the motion plane")
-    return tuple(notes)

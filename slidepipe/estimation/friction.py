@@ -1,4 +1,4 @@
-"""Friction of one trial: weak form, then joint fit, then whether the answer may be given."""
+"""Friction of one trial: weak form, then joint fits with and without the sticking, then whether it may be told."""
 
 from dataclasses import dataclass
 
@@ -15,10 +15,19 @@ WINDOW_SHARE = 0.2
 FEWEST_FRAMES = 12
 SEEN_SHARE = 0.5
 LONGEST_WINDOW_S = 0.25
-WORST_CHI_SQUARE = 3.0
+AROUND_S = 0.06
+LONGEST_FIT_S = 0.6
+WORST_CHI_SQUARE = 2.0
+MOST_OUTLIERS = 0.1
 LARGEST_SD = 0.10
 START_RANGE = 2.0
+RHO_TOLD = 0.03
+"""Largest standard deviation, over its value, at which rho counts as measured."""
+AT_ODDS = 3.5
+"""Standard deviations by which the slide alone may differ from the whole, before it is believed alone."""
 NORMAL_95 = 1.959964
+WIDER = 1.15
+"""What the curvature of the likelihood understates the spread of linear slides by; from synthetic trials."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,15 +55,27 @@ class FrictionEstimate:
     mu_interval : Interval
         95 %, with normal force and mass taken as exact.
     rho_m : float
-        Torsion constant times contact radius. The assumed value enters with a standard deviation of 5 %.
+        Torsion constant times contact radius. The assumed value enters with the standard deviation of the request.
     rho_relative_sd : float
-        Its standard deviation over its value; near 0.05 the slide said nothing of it.
+        Its standard deviation over its value; near the assumed one the slide said nothing of it.
+    rho_told : bool
+        Whether the slide turned enough to tell it.
+    growth_s_m, growth_sd_s_m : float
+        Growth of friction with sliding speed, s/m; zero where it was taken as constant.
+    bias : float
+        What the noise alone had added to the logarithm of kappa; it was taken off.
+    per_growth, per_gravity : float
+        How the logarithm of kappa would change for each s/m of such a growth, and each rad that gravity is turned.
     weak_kappa_m_s2 : float
         The weak form's answer, that the joint fit started from.
     chi_square : float
         Mean squared residual of the joint fit over the pose noise; one when the model holds.
+    outlier_share : float
+        Share of poses that no noise explains; they hardly pull.
     frames : int
         Frames of the object that the fit used.
+    sticks_alike : bool
+        Whether the sticking around the slide agrees with it, so that both entered the fit.
     window_start_s, window_stop_s : float
         The fit's window, seconds since the first frame.
     """
@@ -66,9 +87,17 @@ class FrictionEstimate:
     mu_interval: Interval
     rho_m: float
     rho_relative_sd: float
+    rho_told: bool
+    growth_s_m: float
+    growth_sd_s_m: float
+    bias: float
+    per_growth: float
+    per_gravity: float
     weak_kappa_m_s2: float
     chi_square: float
+    outlier_share: float
     frames: int
+    sticks_alike: bool
     window_start_s: float
     window_stop_s: float
 
@@ -98,13 +127,55 @@ def fit_friction(request: EstimationRequest, slide: Slide, window: SlideWindow) 
             f"at least {FEWEST_FRAMES} and half of them are needed",
         )
     weak = weak_fit(window, request.block, request.rho_m)
-    slowest = WINDOW_SHARE * slide.peak_speed_m_s
-    joint = joint_fit(window, request.block, JointStart(_start(request, weak), request.rho_m, slowest))
-    reason = _refusal(joint)
+    fits = _fits(request, slide, window, _start(request, weak))
+    reason = _refusal(fits.told)
     if reason is not None:
         return FrictionFinding(None, reason)
-    span = (float(window.time_s[rows[0]]), float(window.time_s[rows[-1]]))
-    return FrictionFinding(_report(request, weak, joint, span), None)
+    return FrictionFinding(_report(request, weak, fits), None)
+
+
+@dataclass(frozen=True, slots=True)
+class _Fits:
+    """The fit that is told, from when to when, and whether the sticking entered it."""
+
+    told: JointFit
+    opens_s: float
+    closes_s: float
+    sticks_alike: bool
+
+
+def _fits(request: EstimationRequest, slide: Slide, window: SlideWindow, kappa: float) -> _Fits:
+    """Fit the slide with the sticking around it, and from its first sure frame on without; the latter is the check.
+
+    A block that begins to slide otherwise than it slides on, with more static friction say, contradicts the first.
+    """
+    rows = np.flatnonzero(window.inside)
+    top = rows[len(rows) // 2]
+    gone = np.flatnonzero(~window.usable)
+    first = float(window.time_s[gone[gone < top].max(initial=-1) + 1])
+    last = float(window.time_s[gone[gone > top].min(initial=len(window.time_s)) - 1])
+    opens, closes = max(slide.start_s - AROUND_S, first), min(slide.stop_s + AROUND_S, last)
+    closes = min(closes, opens + LONGEST_FIT_S)
+    before = window.relative_smooth.pose[(window.time_s >= opens) & (window.time_s < slide.start_s - AROUND_S / 4.0)]
+    grip = before.mean(axis=0) if len(before) else window.relative_smooth.pose[rows[0]]
+    body = window.object_smooth
+    state = np.concatenate([body.pose[rows[0]], body.velocity[rows[0]]])
+    slides = float(window.time_s[rows[0]])
+    start = JointStart(kappa, request.rho_m, slides, closes, grip, state)
+    alone = joint_fit(window, request.block, start, request.laws)
+    if _refusal(alone) is None:
+        kappa = alone.kappa
+    start = JointStart(kappa, request.rho_m, opens, closes, grip)
+    whole = joint_fit(window, request.block, start, request.laws)
+    if _refusal(alone) is not None or (_refusal(whole) is None and _agree(whole, alone)):
+        return _Fits(whole, opens, closes, sticks_alike=True)
+    return _Fits(alone, slides, closes, sticks_alike=False)
+
+
+def _agree(whole: JointFit, alone: JointFit) -> bool:
+    """Whether two fits, one from a part of the other's poses, tell the same kappa."""
+    apart = abs(np.log(whole.kappa / alone.kappa))
+    return bool(apart <= AT_ODDS * np.sqrt(max(_relative_sd(alone) ** 2 - _relative_sd(whole) ** 2, 1e-6)))
 
 
 def sliding_window(time_s: FloatArray, relative: SmoothedSeries, slide: Slide, rho_m: float) -> BoolArray:
@@ -137,6 +208,11 @@ def _refusal(joint: JointFit) -> str | None:
     sd = _relative_sd(joint)
     if not joint.converged:
         return "friction refused: the joint fit did not converge"
+    if not joint.outlier_share <= MOST_OUTLIERS:
+        return (
+            f"friction refused: {100.0 * joint.outlier_share:.0f} % of the poses do not fit a sliding block, "
+            f"at most {100.0 * MOST_OUTLIERS:g} % are accepted"
+        )
     if not joint.chi_square <= WORST_CHI_SQUARE:
         return (
             f"friction refused: the poses do not fit a sliding block, chi-square {joint.chi_square:.2f} per degree of "
@@ -152,10 +228,12 @@ def _refusal(joint: JointFit) -> str | None:
 
 
 def _relative_sd(joint: JointFit) -> float:
-    return float(joint.kappa_log_sd * np.sqrt(max(1.0, joint.chi_square)))
+    return float(WIDER * joint.kappa_log_sd * np.sqrt(max(1.0, joint.chi_square)))
 
 
-def _report(request: EstimationRequest, weak: WeakFit, joint: JointFit, span: tuple[float, float]) -> FrictionEstimate:
+def _report(request: EstimationRequest, weak: WeakFit, fits: _Fits) -> FrictionEstimate:
+    joint = fits.told
+    rho_sd = WIDER * joint.rho_log_sd * max(1.0, joint.chi_square) ** 0.5
     sd = _relative_sd(joint)
     low, high = joint.kappa * np.exp(-NORMAL_95 * sd), joint.kappa * np.exp(NORMAL_95 * sd)
     per_kappa = request.block.m / request.normal_force_n
@@ -166,10 +244,18 @@ def _report(request: EstimationRequest, weak: WeakFit, joint: JointFit, span: tu
         mu=joint.kappa * per_kappa,
         mu_interval=Interval(float(low * per_kappa), float(high * per_kappa)),
         rho_m=joint.rho_m,
-        rho_relative_sd=joint.rho_log_sd * max(1.0, joint.chi_square) ** 0.5,
+        rho_relative_sd=rho_sd,
+        rho_told=bool(rho_sd < RHO_TOLD),
+        growth_s_m=joint.growth_s_m,
+        growth_sd_s_m=joint.growth_sd_s_m,
+        bias=joint.bias,
+        per_growth=joint.per_growth,
+        per_gravity=joint.per_gravity,
         weak_kappa_m_s2=weak.kappa,
         chi_square=joint.chi_square,
+        outlier_share=joint.outlier_share,
         frames=joint.frames,
-        window_start_s=span[0],
-        window_stop_s=span[1],
+        sticks_alike=fits.sticks_alike,
+        window_start_s=fits.opens_s,
+        window_stop_s=fits.closes_s,
     )

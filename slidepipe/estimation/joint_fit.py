@@ -1,41 +1,66 @@
-"""Friction by a joint fit: the hand as a spline, the object's state when the window opens, kappa and rho together.
+"""Friction by a joint fit: the hand as a spline, the block's grip before the slide, kappa and rho together.
 
-All measured poses of the window enter one weighted least squares. The hand's jerk is held by the process noise that
-the smoother found; the object obeys the equation of motion exactly. What the fit returns as its covariance therefore
-holds the noise of both bodies.
+All poses from a little before the slide to a little after it enter one robust least squares. The block obeys the
+contact law exactly: it sticks to the hand, slides and sticks again when the hand's motion and its friction say so, and
+the slip times follow. The hand's jerk is held by the process noise that the smoother found. What the fit returns as its
+covariance therefore holds the noise of both bodies.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import BSpline
-from scipy.optimize import OptimizeResult, least_squares
 
-from slidepipe.estimation.forward import SlidingBlocks
+from slidepipe.estimation import joint_kernel as kernel
+from slidepipe.estimation.laws import Laws
+from slidepipe.estimation.linear_kernel import inverse_of
+from slidepipe.estimation.slide_kernel import PHYSICS, START
 from slidepipe.estimation.weak_form import SlideWindow
 from slidepipe.mechanics.dynamics import Block
 from slidepipe.series import FloatArray, IntArray
 
 KNOT_STEP_S = 0.008
-MARGIN_S = 0.03
 LOOSER_HAND = 10.0
-RHO_SD = 0.05
-SOFT_SHARE = 0.35
-FIRST_SPEED_SDS = 10.0
-MOST_STEPS = 40
+GENTLE_TAIL, TAIL = 100.0, 15.0
+"""Degrees of freedom of Student's t: of the first search, so that a bad start finds back, and of the fit."""
+HELD_SD = 0.003
+"""Of kappa about its start in the first search: the hand is found before a wrong one makes kappa run away."""
+LONGEST_STEP_S = 0.0004
+MOST_STEPS = 60
 LARGEST_LAST_STEP = 0.5
-SMALLEST_COLUMN, RIDGE = 1e-9, 1e-12
-COARSEST_STEP_S, FINEST_STEP_S = 0.001, 0.0003
+DIRECTIONS = 24
+"""Random directions that the second derivatives are averaged over."""
+OUTLIER = 27.0
+TOLD_SD = 0.2
+OTHER_SHARES = (0.95, 0.9, 1.05)
+"""Of the first kappa, from which to search again until the poses fit."""
+FITS = 1.5
+MOST_OUTLIERS = 0.1
 
 
 @dataclass(frozen=True, slots=True)
 class JointStart:
-    """Where the joint fit starts: kappa in m/s^2, rho in m, and the slowest sliding speed of the window in m/s."""
+    """Where the joint fit starts.
+
+    Attributes
+    ----------
+    kappa : float
+        m/s^2.
+    rho_m : float
+        Torsion constant times contact radius, and what its prior is about.
+    opens_s, closes_s : float
+        The poses between these are used.
+    r_f_b : (3,)
+        Finger in {b} while the block still sticks.
+    object : (6,) or None
+        Pose and velocity of the block as the window opens, where it slides already; else None.
+    """
 
     kappa: float
     rho_m: float
-    slowest_m_s: float
+    opens_s: float
+    closes_s: float
+    r_f_b: FloatArray
+    object: FloatArray | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,10 +75,23 @@ class JointFit:
         Standard deviation of its logarithm with the step that was left to go, not yet inflated by ``chi_square``.
     rho_m, rho_log_sd : float
         Torsion constant times contact radius and the standard deviation of its logarithm.
+    growth_s_m, growth_sd_s_m : float
+        Growth of friction with sliding speed; zero and zero where it was taken as constant.
+    bias : float
+        What the noise alone adds to the logarithm of kappa (Box's second order); it was taken off.
+    per_growth, per_gravity : float
+        Change of the logarithm of kappa for each s/m of growth of friction with speed, and for each rad that gravity is
+        turned, against what the fit took for known.
     chi_square : float
-        Mean squared weighted residual of the measured poses, per degree of freedom.
+        Mean squared weighted residual of the measured poses that are no outliers, per degree of freedom.
+    outlier_share : float
+        Share of poses further than the gate from the fit.
     frames : int
-        Frames of the window in which the object was seen.
+        Frames in which the object was seen.
+    cost : float
+        Twice the negative log-likelihood with the priors, up to a constant.
+    slides_s : (K, 2)
+        Begins and ends of the stretches in which the fitted block slides.
     converged : bool
         Whether the next step would change kappa by less than half of its standard deviation.
     """
@@ -62,173 +100,169 @@ class JointFit:
     kappa_log_sd: float
     rho_m: float
     rho_log_sd: float
+    growth_s_m: float
+    growth_sd_s_m: float
+    bias: float
+    per_growth: float
+    per_gravity: float
     chi_square: float
+    outlier_share: float
     frames: int
+    cost: float
+    slides_s: FloatArray
     converged: bool
 
 
-def joint_fit(window: SlideWindow, block: Block, start: JointStart) -> JointFit:
-    """Fit hand, object and friction to the measured poses of the window.
-
-    Friction damps sideways sliding within a frame where the object is slow, so the first velocity across the slide
-    is not told by the poses, and a search that is left free runs away along it. It is therefore held to ten standard
-    deviations of the smoothed velocity, a hundredth of what the smoother knows.
-    """
-    problem = _Problem(window, block, start)
-    found = _search(problem)
-    covariance = _covariance(found.jac)
-    measured = found.jac[: problem.measurements]
-    freedom = problem.measurements - float(np.einsum("ij,jk,ik->", measured, covariance, measured))
-    next_step = covariance @ (found.jac.T @ found.fun)
-    sd = np.sqrt(np.diagonal(covariance))
-    return JointFit(
-        kappa=float(np.exp(found.x[-2])),
-        kappa_log_sd=float(np.hypot(sd[-2], next_step[-2])),
-        rho_m=float(np.exp(found.x[-1])),
-        rho_log_sd=float(sd[-1]),
-        chi_square=float(np.sum(found.fun[: problem.measurements] ** 2) / freedom),
-        frames=len(problem.object_rows),
-        converged=bool(abs(next_step[-2]) < LARGEST_LAST_STEP * sd[-2]),
-    )
+def joint_fit(window: SlideWindow, block: Block, start: JointStart, laws: Laws) -> JointFit:
+    """Fit hand, object and friction to the measured poses around a slide."""
+    problem = _Problem(window, block, start, laws)
+    best = _search(problem, 1.0)
+    for share in OTHER_SHARES:
+        if problem.fits(best):
+            break
+        best = min(best, _search(problem, share), key=lambda found: found.cost)
+    return _report(problem, best)
 
 
-def _search(problem: "_Problem") -> OptimizeResult:
-    """Least squares by MINPACK: threaded linear algebra takes a hundred times as long where other processes run."""
-    scale = np.sqrt(np.diagonal(_covariance(problem.jacobian(problem.first))))
-    return least_squares(
-        problem.residuals,
-        problem.first,
-        jac=problem.jacobian,
-        method="lm",
-        x_scale=scale,
-        ftol=1e-6,
-        xtol=1e-9,
-        max_nfev=MOST_STEPS,
-    )
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """Parameters, and what the kernel returns of them."""
+
+    z: FloatArray
+    information: FloatArray
+    prior: FloatArray
+    squares: FloatArray
+    hand_squares: FloatArray
+    path: FloatArray
+    step: FloatArray
+    cost: float
+    steps: int
+
+    @property
+    def all_squares(self) -> FloatArray:
+        """Squared weighted distances of block and hand."""
+        return np.concatenate([self.squares, self.hand_squares])
 
 
-def _covariance(jacobian: FloatArray) -> FloatArray:
-    """Inverse of the information; of a parameter that the measurements do not tell, a huge variance and not none."""
-    size = np.maximum(np.linalg.norm(jacobian, axis=0), SMALLEST_COLUMN)
-    scaled = jacobian / size
-    information = np.einsum("ri,rj->ij", scaled, scaled) + RIDGE * np.eye(len(size))
-    return np.asarray(np.linalg.inv(information) / size / size[:, None])
+def _search(problem: "_Problem", share: float) -> _Found:
+    """Search from a share of the first kappa: with too much friction nothing slides, and then nothing leads back."""
+    z = problem.first()
+    z[-PHYSICS] += np.log(share)
+    *data, mean, information = problem.arguments
+    near, held = mean.copy(), information.copy()
+    near[-PHYSICS] = z[-PHYSICS]
+    held[-PHYSICS] = HELD_SD**-2.0
+    kernel.fit(z, *data, near, held, GENTLE_TAIL, MOST_STEPS)
+    return _Found(z, *kernel.fit(z, *problem.arguments, TAIL, MOST_STEPS))
 
 
 class _Problem:
-    """Residuals and derivatives; parameters are hand coefficients (3 n), first object state (6), log kappa, log rho."""
+    """The kernel's arrays; parameters are the hand's coefficients (3 n), the start (6), and the physics (4)."""
 
-    def __init__(self, window: SlideWindow, block: Block, start: JointStart) -> None:
-        self.window, self.block, self.start = window, block, start
-        rows = np.flatnonzero(window.inside)
-        self.row = int(rows[0])
-        self.opens, self.closes = float(window.time_s[rows[0]]), float(window.time_s[rows[-1]])
-        self.object_rows: IntArray = rows[window.object.valid[rows]]
-        near = (window.time_s >= self.opens - MARGIN_S) & (window.time_s <= self.closes + MARGIN_S)
-        self.hand_rows: IntArray = np.flatnonzero(near & window.hand.valid)
-        stiffness = self._stiffness()
-        soft_m_s = SOFT_SHARE * start.slowest_m_s
-        step_s = float(np.clip(2.0 * soft_m_s / stiffness, FINEST_STEP_S, COARSEST_STEP_S))
-        self.soft_m_s = max(soft_m_s, stiffness * step_s / 2.0)
-        self.steps = max(20, int(np.ceil((self.closes - self.opens) / step_s)))
-        self.measurements = 3 * (len(self.object_rows) + len(self.hand_rows))
+    def __init__(self, window: SlideWindow, block: Block, start: JointStart, laws: Laws) -> None:
+        self.window, self.start, self.laws = window, start, laws
+        span = start.closes_s - start.opens_s
+        self.count = max(4, round(span / KNOT_STEP_S)) + 3
+        self.knot_s = span / (self.count - 3)
+        steps = int(np.ceil(span / LONGEST_STEP_S))
+        near = (window.time_s >= start.opens_s) & (window.time_s <= start.closes_s)
+        self.object_rows: IntArray = np.flatnonzero(near & window.object.valid)
+        hand = near & window.hand.valid
+        kind = kernel.STICKS if start.object is None else kernel.FREE
+        self.kind = np.array([kind, block.m / block.inertia])
+        self.clock = np.array([start.opens_s, self.knot_s, start.opens_s, span / steps, steps])
+        mean, information = self._priors()
+        self.arguments = (
+            self.kind,
+            self.clock,
+            window.time_s[self.object_rows],
+            window.object.pose[self.object_rows],
+            window.object_smooth.noise,
+            window.time_s[hand],
+            window.hand.pose[hand],
+            window.hand_smooth.noise,
+            LOOSER_HAND * window.hand_smooth.process_noise,
+            mean,
+            information,
+        )
 
-    def _stiffness(self) -> float:
-        """Rate times speed at which friction damps sliding sideways, m/s^2; the Runge-Kutta rule must resolve it."""
-        offset = self.window.relative_smooth.pose[self.window.inside, :2]
-        arm = max(self.start.rho_m**2, float(np.max(np.sum(offset**2, axis=1))))
-        return float(self.start.kappa * (1.0 + arm * self.block.m / self.block.inertia))
-
-    @cached_property
-    def knots(self) -> FloatArray:
-        """Cubic knots over the window and its margins."""
-        first, last = self.window.time_s[self.hand_rows[0]], self.window.time_s[self.hand_rows[-1]]
-        first, last = min(first, self.opens), max(last, self.closes)
-        inner = np.linspace(first, last, max(4, round((last - first) / KNOT_STEP_S)) + 1)
-        return np.concatenate([[first] * 3, inner, [last] * 3])
-
-    def basis(self, time_s: FloatArray, derivative: int = 0) -> FloatArray:
-        """(T, n) values of the hand's basis functions or of a derivative of them."""
-        count = len(self.knots) - 4
-        spline = BSpline(self.knots, np.eye(count), 3)
-        return np.asarray(spline(np.clip(time_s, self.knots[0], self.knots[-1]), derivative))
-
-    @cached_property
-    def hand_basis(self) -> FloatArray:
-        """Basis at the hand's measurements."""
-        return self.basis(self.window.time_s[self.hand_rows])
-
-    @cached_property
-    def half_steps(self) -> tuple[FloatArray, FloatArray]:
-        """Basis and its derivative at the half steps of the integration."""
-        time_s = np.linspace(self.opens, self.closes, 2 * self.steps + 1)
-        return self.basis(time_s), self.basis(time_s, 1)
-
-    @cached_property
-    def jerk_basis(self) -> FloatArray:
-        """Jerk of each knot interval per square root of its variance under a unit density."""
-        inner = self.knots[3:-3]
-        return self.basis((inner[1:] + inner[:-1]) / 2.0, 3) * np.sqrt(np.diff(inner))[:, None]
-
-    @cached_property
     def first(self) -> FloatArray:
-        """Parameters to start from: the smoothed motion."""
-        smooth = self.window.hand_smooth.pose[self.hand_rows]
-        coefficients = np.linalg.lstsq(self.hand_basis, smooth, rcond=None)[0]
-        row, body = self.row, self.window.object_smooth
-        rest = [np.log(self.start.kappa), np.log(self.start.rho_m)]
-        return np.concatenate([coefficients.T.ravel(), body.pose[row], body.velocity[row], rest])
+        """Parameters to start from: the smoothed hand, by what a cubic spline's coefficients nearly are."""
+        hand, at = self.window.hand_smooth, self.start.opens_s + self.knot_s * (np.arange(self.count) - 1)
+        nearly = hand.pose - self.knot_s**2 / 6.0 * hand.acceleration
+        coefficients = [np.interp(at, self.window.time_s, nearly[:, axis]) for axis in range(3)]
+        return np.concatenate([*coefficients, self._priors()[0][3 * self.count :]])
 
-    def residuals(self, parameters: FloatArray) -> FloatArray:
-        """Weighted residuals of one set of parameters."""
-        return np.asarray(self.many_residuals(parameters[None])[0])
+    def chi_square(self, found: _Found) -> float:
+        """Mean squared weighted residual of what is no outlier, per degree of freedom."""
+        near = found.all_squares <= OUTLIER
+        held = float(np.sum(inverse_of(found.information) * found.prior))
+        freedom = 3 * np.count_nonzero(near) - len(found.z) + held
+        return float(np.sum(found.all_squares[near]) / max(freedom, 1.0))
 
-    def jacobian(self, parameters: FloatArray) -> FloatArray:
-        """Central differences, all parameters in one batch."""
-        step = np.full(len(parameters), 1e-5)
-        batch = np.concatenate([parameters + np.diag(step), parameters - np.diag(step)])
-        values = self.many_residuals(batch)
-        half = len(parameters)
-        return np.asarray((values[:half] - values[half:]).T / (2.0 * step))
+    def fits(self, found: _Found) -> bool:
+        """Whether the poses are about as far from the fit as their noise."""
+        return bool(np.mean(found.all_squares > OUTLIER) < MOST_OUTLIERS and self.chi_square(found) < FITS)
 
-    def many_residuals(self, batch: FloatArray) -> FloatArray:
-        """(B, R) residuals of B sets of parameters: object, hand, jerk, first speed, rho."""
-        count = self.hand_basis.shape[1]
-        coefficients = batch[:, : 3 * count].reshape(len(batch), 3, count)
-        noise, q = self.window.hand_smooth.noise, LOOSER_HAND * self.window.hand_smooth.process_noise
-        hand = (np.einsum("tn,ban->bta", self.hand_basis, coefficients) - self.window.hand.pose[self.hand_rows]) / noise
-        jerk = np.einsum("tn,ban->bta", self.jerk_basis, coefficients) / np.sqrt(q)
-        body = (self.object_at(batch, coefficients) - self.window.object.pose[self.object_rows]) / (
-            self.window.object_smooth.noise
-        )
-        speed = (batch[:, -5:-2] - self.first[-5:-2]) / (
-            FIRST_SPEED_SDS * self.window.object_smooth.velocity_sd[self.row]
-        )
-        rho = (batch[:, -1:] - np.log(self.start.rho_m)) / RHO_SD
-        return np.concatenate([part.reshape(len(batch), -1) for part in (body, hand, jerk, speed, rho)], axis=1)
+    def _priors(self) -> tuple[FloatArray, FloatArray]:
+        """Mean and information of all parameters; only the physics is held, and what is not used."""
+        start, laws = self.start, self.laws
+        grip = np.concatenate([start.r_f_b, np.zeros(3)]) if start.object is None else start.object
+        law = [np.log(start.kappa), np.log(start.rho_m), 0.0, laws.gravity_angle_rad]
+        mean = np.concatenate([np.zeros(3 * self.count), grip, law])
+        sds = np.array([np.inf, laws.rho_relative_sd, laws.growth_sd_s_m, laws.gravity_angle_sd_rad])
+        information = np.zeros(len(mean))
+        with np.errstate(divide="ignore"):
+            information[-PHYSICS:] = np.minimum(sds**-2.0, kernel.CERTAIN)
+        if start.object is None:
+            information[-PHYSICS - START + 3 : -PHYSICS] = kernel.CERTAIN
+        return mean, information
 
-    def object_at(self, batch: FloatArray, coefficients: FloatArray) -> FloatArray:
-        """(B, T, 3) predicted object poses at its measurements, by cubic Hermite interpolation of the steps."""
-        place, slope = self.half_steps
-        h = (self.closes - self.opens) / self.steps
-        blocks = SlidingBlocks(
-            step_s=h,
-            hand=np.einsum("tn,ban->tba", place, coefficients),
-            hand_velocity=np.einsum("tn,ban->tba", slope, coefficients),
-            kappa=np.exp(batch[:, -2]),
-            rho_m=np.exp(batch[:, -1]),
-            mass_per_inertia=self.block.m / self.block.inertia,
-            soft_m_s=self.soft_m_s,
-        )
-        states = blocks.run(batch[:, -8:-2].T)
-        at = (self.window.time_s[self.object_rows] - self.opens) / h
-        step = np.minimum(at.astype(int), self.steps - 1)
-        s = (at - step)[:, None, None]
-        before, after = states[step], states[step + 1]
-        pose = (
-            (1.0 + 2.0 * s) * (1.0 - s) ** 2 * before[:, :3]
-            + s * (1.0 - s) ** 2 * h * before[:, 3:]
-            + s**2 * (3.0 - 2.0 * s) * after[:, :3]
-            + s**2 * (s - 1.0) * h * after[:, 3:]
-        )
-        return np.asarray(np.moveaxis(pose, -1, 0))
+
+def _report(problem: _Problem, found: _Found) -> JointFit:
+    z, covariance = found.z, inverse_of(found.information)
+    sd = np.sqrt(np.diagonal(covariance))
+    kappa, rho, growth, gravity = range(len(z) - PHYSICS, len(z))
+    bias = float(_bias(problem, found, covariance)[kappa]) if sd[kappa] < TOLD_SD else 0.0
+    bias = float(np.clip(bias, -sd[kappa], sd[kappa]))
+    return JointFit(
+        kappa=float(np.exp(z[kappa] - bias)),
+        kappa_log_sd=float(np.hypot(sd[kappa], found.step[kappa])),
+        rho_m=float(np.exp(z[rho])),
+        rho_log_sd=float(sd[rho]),
+        growth_s_m=float(z[growth]),
+        growth_sd_s_m=float(sd[growth]) if problem.laws.growth_sd_s_m > 0.0 else 0.0,
+        bias=bias,
+        per_growth=_leverage(found, covariance, growth),
+        per_gravity=_leverage(found, covariance, gravity),
+        chi_square=problem.chi_square(found),
+        outlier_share=float(np.mean(found.all_squares > OUTLIER)),
+        frames=len(problem.object_rows),
+        cost=float(found.cost),
+        slides_s=_stretches(problem, found.path),
+        converged=bool(abs(found.step[kappa]) < LARGEST_LAST_STEP * sd[kappa]),
+    )
+
+
+def _leverage(found: _Found, covariance: FloatArray, column: int) -> float:
+    """Change of log kappa for a unit change of a parameter that the fit takes for known."""
+    pull = found.information[:, column].copy()
+    pull[column] = 0.0
+    return float(-covariance[len(found.z) - PHYSICS] @ pull)
+
+
+def _bias(problem: _Problem, found: _Found, covariance: FloatArray) -> FloatArray:
+    """Second-order bias of the estimate from the noise (Box), its trace averaged over random directions."""
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(DIRECTIONS, len(found.z)))
+    measured = found.information - found.prior
+    # By einsum and not by @: threaded linear algebra waits for cores that others use.
+    scatter = np.einsum("ij,jk->ik", np.einsum("ij,jk->ik", covariance, measured), covariance)
+    data = problem.arguments
+    return np.asarray(kernel.bias_of(found.z, *data[:3], data[4], found.squares, TAIL, covariance, scatter, signs))
+
+
+def _stretches(problem: _Problem, path: FloatArray) -> FloatArray:
+    """(K, 2) begins and ends of sliding, s."""
+    sliding = np.concatenate([[False], path[:, 6] >= 0.0, [False]])
+    edges = np.flatnonzero(np.diff(sliding.astype(int)))
+    return np.asarray(problem.start.opens_s + problem.clock[3] * (edges.reshape(-1, 2) - [1, 0]))

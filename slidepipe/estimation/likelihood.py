@@ -1,15 +1,11 @@
-"""Process noise of the constant-acceleration model by maximum likelihood, one axis at a time.
-
-The filter here is the three-state Kalman filter written out in scalars, because the search runs it many times; a test
-holds it to filterpy's likelihood.
-"""
+"""Process noise of the constant-acceleration model by maximum likelihood, one axis at a time."""
 
 from dataclasses import dataclass
-from math import log, pi
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from slidepipe.estimation.smoothing_kernel import likelihood_kernel
 from slidepipe.series import BoolArray, FloatArray
 
 
@@ -42,8 +38,8 @@ def best_process_noise(time_s: FloatArray, value: FloatArray, valid: BoolArray, 
     time_s, value, valid : (T,)
         Stamps, measurements and where there is one.
     """
-    step = np.diff(time_s[valid], prepend=time_s[valid][:1]).tolist()
-    measured = (value[valid] - value[valid][0]).tolist()
+    step = np.diff(time_s[valid], prepend=time_s[valid][:1])
+    measured = value[valid] - value[valid][0]
 
     def cost(exponent: float) -> float:
         return -log_likelihood(step, measured, model, 10.0**exponent)
@@ -52,35 +48,17 @@ def best_process_noise(time_s: FloatArray, value: FloatArray, valid: BoolArray, 
     return float(10.0**found.x)
 
 
-def log_likelihood(step_s: list[float], measured: list[float], model: AxisModel, q: float) -> float:
+def log_likelihood(step_s: FloatArray, measured: FloatArray, model: AxisModel, q: float) -> float:
     """Logarithm of the probability density of the measurements; a gap is simply a longer step.
 
     Parameters
     ----------
-    step_s : list of float
+    step_s : (T,)
         Time since the measurement before; zero for the first.
-    measured : list of float
+    measured : (T,)
         Measurements, the first near zero.
     q : float
         Spectral density of the jerk.
     """
-    r = model.noise**2
-    p, v, a = 0.0, 0.0, 0.0
-    pp, pv, pa, vv, va, aa = r, 0.0, 0.0, model.speed**2, 0.0, model.acceleration**2
-    total = 0.0
-    for h, z in zip(step_s, measured, strict=True):
-        half = 0.5 * h * h
-        p, v = p + h * v + half * a, v + h * a
-        pa_, va_ = pa + h * va + half * aa, va + h * aa
-        pv_ = pv + h * vv + half * va + h * (pa + h * va + half * aa)
-        pp += 2.0 * h * pv + 2.0 * half * pa + h * h * vv + 2.0 * h * half * va + half * half * aa + q * h**5 / 20.0
-        vv += 2.0 * h * va + h * h * aa + q * h**3 / 3.0
-        pv, pa, va = pv_ + q * h**4 / 8.0, pa_ + q * h**3 / 6.0, va_ + q * half
-        aa += q * h
-        s, y = pp + r, z - p
-        total -= 0.5 * (y * y / s + log(2.0 * pi * s))
-        gp, gv, ga = pp / s, pv / s, pa / s
-        p, v, a = p + gp * y, v + gv * y, a + ga * y
-        vv, va, aa = vv - gv * pv, va - gv * pa, aa - ga * pa
-        pp, pv, pa = pp - gp * pp, pv - gp * pv, pa - gp * pa
-    return total
+    start = np.array([model.noise**2, model.speed**2, model.acceleration**2])
+    return float(likelihood_kernel(step_s, measured, np.zeros(3), start, model.noise**2, q))

@@ -5,30 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from slidepipe.errors import EstimationError, InputError
+from slidepipe.estimation.gate import without_outliers
 from slidepipe.estimation.plane import PlanarBody
+from slidepipe.estimation.track import Track
 from slidepipe.mechanics.planar import relative_pose
 from slidepipe.series import BoolArray, FloatArray, FrameSeries, IntArray
 
-SPIKE_M = 0.005
-SPIKE_RAD = 0.1
-NEIGHBOURS = 7
 FEWEST_FRAMES = 30
-
-
-@dataclass(frozen=True, slots=True)
-class Track:
-    """Planar poses of one thing at every frame; rows that are not valid hold zeros.
-
-    Attributes
-    ----------
-    pose : (T, 3)
-        m and rad.
-    valid : (T,) bool
-        Where it was tracked and believed.
-    """
-
-    pose: FloatArray
-    valid: BoolArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +27,7 @@ class Tracks:
     relative : Track
         r_f_b: {f} in {b}, where both were seen in one frame.
     spikes : int
-        Poses that were left out because they lie far from their neighbours.
+        Poses that were left out because they lie far from the motion of their neighbours.
     """
 
     stamp_ns: IntArray
@@ -81,7 +64,8 @@ def align(
     _check(frames)
     hand_track = _track("hand", frames.frame, frames.hand_valid, hand)
     object_track = _track("object", frames.frame, frames.object_valid, body)
-    spikes = [without_spikes(track) for track in (hand_track, object_track)]
+    time_s = np.asarray((stamp_ns - stamp_ns[0]) * 1e-9)
+    spikes = [without_outliers(time_s, track) for track in (hand_track, object_track)]
     valid = spikes[0].valid & spikes[1].valid
     relative = np.where(valid[:, None], relative_pose(spikes[1].pose, spikes[0].pose), 0.0)
     for name, seen in (("hand", spikes[0].valid), ("object", spikes[1].valid), ("hand and object together", valid)):
@@ -97,26 +81,6 @@ def align(
         for a, b in zip((hand_track, object_track), spikes, strict=True)
     )
     return Tracks(stamp_ns, spikes[0], spikes[1], Track(relative, valid), lost)
-
-
-def without_spikes(track: Track) -> Track:
-    """Leave out poses far from the median of the seven valid ones around them: 5 mm or 0.1 rad and 1.5 usual steps.
-
-    A median follows any steady motion exactly, 40 m/s^2 at 360 Hz bends a path by 1.4 mm over seven frames, and a
-    spike nearby moves the median by one step.
-    """
-    rows = np.flatnonzero(track.valid)
-    if len(rows) < NEIGHBOURS:
-        return track
-    half = NEIGHBOURS // 2
-    padded = np.pad(track.pose[rows], ((half, half), (0, 0)), mode="reflect", reflect_type="odd")
-    around = np.median(np.lib.stride_tricks.sliding_window_view(padded, NEIGHBOURS, axis=0), axis=-1)
-    steps = np.abs(np.diff(padded, axis=0))
-    usual = np.median(np.lib.stride_tricks.sliding_window_view(steps, NEIGHBOURS - 1, axis=0), axis=-1)
-    far = np.any(np.abs(track.pose[rows] - around) > [SPIKE_M, SPIKE_M, SPIKE_RAD] + 1.5 * usual, axis=1)
-    valid = track.valid.copy()
-    valid[rows[far]] = False
-    return Track(np.where(valid[:, None], track.pose, 0.0), valid)
 
 
 def _track(name: str, frame: IntArray, seen: BoolArray, body: PlanarBody) -> Track:

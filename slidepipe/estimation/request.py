@@ -1,13 +1,14 @@
 """What an estimate is asked from."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from slidepipe.errors import InputError
+from slidepipe.estimation.laws import Laws
 from slidepipe.mechanics.dynamics import Block
 from slidepipe.mechanics.planar import MotionPlane
-from slidepipe.series import MocapSeries
+from slidepipe.series import FloatArray, MocapSeries, PoseSeries
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +26,7 @@ class EstimationRequest:
     normal_force_n : float
         Normal force of all fingers together, N; assumed, motion does not tell it.
     rho_m : float
-        Torsion constant times contact radius, m; assumed.
+        Torsion constant times contact radius, m; assumed to within ``laws.rho_relative_sd``.
     believed_kappa : float
         mu f_N / m that the planner believed, m/s^2; compared with the estimate, never averaged into it.
     relative_angle_rad : float
@@ -35,6 +36,12 @@ class EstimationRequest:
         Where the plan slides; a guide only.
     motion_start_ns, motion_stop_ns : int
         The hand rests outside these.
+    joint_hand : PoseSeries or None
+        {f} in the base frame by the measured joints, on the host's clock; it tells the offset between both clocks.
+    start_relative_pose : (3,) or None
+        r_f_b that was planned for the start; an object that is far from it is another body.
+    laws : Laws
+        Which laws of friction and gravity the fit assumes, and how surely.
     """
 
     mocap: MocapSeries
@@ -48,6 +55,9 @@ class EstimationRequest:
     slide_stop_ns: int
     motion_start_ns: int
     motion_stop_ns: int
+    joint_hand: PoseSeries | None = None
+    start_relative_pose: FloatArray | None = None
+    laws: Laws = field(default_factory=Laws)
 
     def __post_init__(self) -> None:
         for name in ("normal_force_n", "rho_m", "believed_kappa"):

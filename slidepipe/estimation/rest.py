@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slidepipe.estimation.poses import Track, Tracks
+from slidepipe.estimation.poses import Tracks
+from slidepipe.estimation.track import Track
 from slidepipe.series import BoolArray, FloatArray
 
 FEWEST_FRAMES = 10

@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from slidepipe.estimation.poses import Track
 from slidepipe.estimation.slide import Slide
+from slidepipe.estimation.track import Track
 from slidepipe.series import FloatArray
 
 INWARDS_S, OUTWARDS_S = 0.06, 0.06

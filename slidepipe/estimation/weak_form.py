@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from slidepipe.estimation.poses import Track
 from slidepipe.estimation.smoothing import SmoothedSeries
+from slidepipe.estimation.track import Track
 from slidepipe.mechanics.dynamics import GRAVITY, Block
 from slidepipe.mechanics.planar import rotation
 from slidepipe.series import BoolArray, FloatArray
@@ -37,6 +37,8 @@ class SlideWindow:
         Their smoothed series, and that of r_f_b.
     inside : (T,) bool
         Frames in which the object certainly slides; one stretch.
+    usable : (T,) bool
+        Frames in which the contact is on the object and the object was seen lately.
     """
 
     time_s: FloatArray
@@ -46,6 +48,7 @@ class SlideWindow:
     object_smooth: SmoothedSeries
     relative_smooth: SmoothedSeries
     inside: BoolArray
+    usable: BoolArray
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,11 +2,8 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-from scipy.spatial.transform import Rotation
-
 from slidepipe.arm.kinematics import hand_poses
-from slidepipe.arm.model import Tool, nominal_model
+from slidepipe.arm.model import nominal_model
 from slidepipe.artifacts import topics
 from slidepipe.artifacts.calibration import CalibrationDocument, Placement, Tilt, Vector
 from slidepipe.artifacts.experiment import Experiment
@@ -20,7 +17,7 @@ from slidepipe.estimation.calibration import Calibration, CalibrationRequest
 from slidepipe.series import FloatArray, PoseSeries
 from slidepipe.stages.calibration_files import CALIBRATION
 from slidepipe.stages.estimate import purpose_of, trial_source
-from slidepipe.stages.translate import motion_plane
+from slidepipe.stages.translate import motion_plane, tool
 
 STAGE, STAGE_VERSION = "calibrate", 1
 
@@ -84,10 +81,7 @@ def run(request: CalibrateRequest) -> CalibrateResult:
 
 def _finger(recording: Recording, experiment: Experiment) -> PoseSeries:
     """{f} in the base frame by the measured joints."""
-    joints, tool = recording.joints(topics.MEASURED), experiment.arm.tool
-    position, matrix = hand_poses(nominal_model(Tool(tool.length_m, tool.angle_rad)), joints.position_rad)
-    turn = Rotation.from_matrix(matrix).as_quat() if len(matrix) else np.zeros((0, 4))
-    return PoseSeries(joints.stamp_ns, position, turn, np.arange(len(position), dtype=np.int64))
+    return hand_poses(nominal_model(tool(experiment)), recording.joints(topics.MEASURED))
 
 
 def _document(told: Calibration, trial: str, experiment: str) -> CalibrationDocument:

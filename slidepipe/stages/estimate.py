@@ -5,6 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
+from slidepipe.arm.kinematics import hand_poses
+from slidepipe.arm.model import nominal_model
 from slidepipe.artifacts import estimate as records
 from slidepipe.artifacts.draft import Draft
 from slidepipe.artifacts.estimate import EstimateDocument
@@ -18,19 +20,24 @@ from slidepipe.artifacts.run import Run, outside_input
 from slidepipe.artifacts.schema import dump_model, parse
 from slidepipe.artifacts.store import Store
 from slidepipe.artifacts.strict_yaml import load, loads
+from slidepipe.artifacts.topics import MEASURED
 from slidepipe.artifacts.values import UncertainPose
 from slidepipe.errors import InputError
 from slidepipe.estimation.calibration import Calibration, calibrated
 from slidepipe.estimation.estimate import Estimate, estimate
+from slidepipe.estimation.friction import FrictionEstimate
+from slidepipe.estimation.hand_clock import JointClock
 from slidepipe.estimation.request import EstimationRequest
 from slidepipe.estimation.rest import RestPose
 from slidepipe.estimation.smoothing import SmoothedSeries
 from slidepipe.lab.loop import MOTION_ENDS, MOTION_STARTS
+from slidepipe.series import FloatArray, JointSeries
 from slidepipe.stages.calibration_files import CALIBRATION, read_calibration
 from slidepipe.stages.execute import RECORDING
-from slidepipe.stages.translate import block, motion_plane
+from slidepipe.stages.translate import block, motion_plane, tool, vector
 
-STAGE, STAGE_VERSION = "estimate", 1
+STAGE, STAGE_VERSION = "estimate", 2
+Z95 = 1.959964
 ESTIMATE, SMOOTHED, FIGURE = "estimate", "smoothed", "figure"
 """Roles of an estimate's files."""
 SMOOTHED_FILE, FIGURE_FILE = "smoothed.mcap", "estimate.png"
@@ -96,9 +103,10 @@ def run(request: EstimateRequest) -> EstimateResult:
     known = None if request.force else request.store.find_recipe(draft.recipe)
     if known is not None:
         return EstimateResult(known, parse(EstimateDocument, load(known.file(ESTIMATE))), reused=True)
+    # Before anything is made: a recording that tells nothing leaves nothing.
+    found = estimate_recording(source.path, read_calibration(calibration) if calibration else None)
+    document = _document(found, source.trial, calibration.id if calibration else None)
     with draft:
-        found = estimate_recording(source.path, read_calibration(calibration) if calibration else None)
-        document = _document(found, source.trial, calibration.id if calibration else None)
         _write(draft, found, document)
         if request.figure:
             _draw(draft, found, source.trial)
@@ -112,6 +120,8 @@ def estimate_recording(path: Path, calibration: Calibration | None = None) -> Re
     purpose = purpose_of(recording)
     experiment, plan = purpose.experiment, purpose.plan
     start_ns, stop_ns = (_stamp(recording, message) for message in (MOTION_STARTS, MOTION_ENDS))
+    joints = recording.joints(MEASURED)
+    _finite(recording, joints)
     request = EstimationRequest(
         mocap=mocap,
         plane=motion_plane(experiment),
@@ -124,6 +134,8 @@ def estimate_recording(path: Path, calibration: Calibration | None = None) -> Re
         slide_stop_ns=start_ns + round(1e9 * plan.slide.stop_s),
         motion_start_ns=start_ns,
         motion_stop_ns=stop_ns,
+        joint_hand=hand_poses(nominal_model(tool(experiment)), joints),
+        start_relative_pose=vector(plan.start_relative_pose),
     )
     return RecordedEstimate(estimate(request), experiment, plan, start_ns)
 
@@ -182,6 +194,12 @@ def _text(recording: Recording, name: str) -> str:
         raise InputError(f"{recording.path}: {name}: is not UTF-8 at byte {error.start}") from None
 
 
+def _finite(recording: Recording, joints: JointSeries) -> None:
+    bad = np.flatnonzero(~np.isfinite(joints.position_rad).all(axis=1))
+    if len(bad):
+        raise InputError(f"{recording.path}: {MEASURED}: an angle of state {bad[0]} is not finite")
+
+
 def _stamp(recording: Recording, message: str) -> int:
     for event in recording.events():
         if event.message == message:
@@ -203,13 +221,21 @@ def _document(found: RecordedEstimate, trial: str, calibration: str | None) -> E
         clock=records.ClockFit(
             offset_s=told.clock.offset_s, rate_ppm=told.clock.drift_ppm, residual_std_s=1e-9 * told.clock.residual_ns
         ),
+        joints=_joints(told.joints),
         frames_used=int(np.sum(told.tracks.relative.valid)),
+        outliers=told.tracks.spikes,
+        smoothing=records.Smoothing(
+            hand_nis=_triple(told.hand.consistency),
+            object_nis=_triple(told.object.consistency),
+            relative_nis=_triple(told.relative.consistency),
+        ),
         initial_relative_pose=_uncertain(told.initial),
         final_relative_pose=_uncertain(told.final),
         lost=told.lost,
         slide=slide,
         friction=_friction(found),
         friction_missing_because=told.friction_reason,
+        not_told=told.not_told,
         notes=told.notes if calibration is None else (*told.notes, placed),
         series_file=SMOOTHED_FILE,
     )
@@ -227,24 +253,66 @@ def _uncertain(rest: RestPose | None) -> UncertainPose | None:
     return UncertainPose(x_m=x, y_m=y, theta_rad=theta, x_std_m=x_std, y_std_m=y_std, theta_std_rad=theta_std)
 
 
+def _joints(found: JointClock | None) -> records.JointClock | None:
+    if found is None:
+        return None
+    return records.JointClock(
+        offset_s=found.offset_s,
+        offset_std_s=found.sd_s,
+        gravity_angle_rad=found.tilt_rad,
+        gravity_angle_std_rad=found.tilt_sd_rad,
+    )
+
+
+def _triple(values: FloatArray) -> tuple[float, float, float]:
+    x, y, theta = (float(value) for value in values)
+    return x, y, theta
+
+
 def _friction(found: RecordedEstimate) -> records.FrictionEstimate | None:
     told, experiment = found.estimate.friction, found.experiment
     if told is None:
         return None
-    kappa = told.kappa_m_s2
+    interval = told.kappa_interval_m_s2
+    force, mass = records.NORMAL_FORCE_RELATIVE_STD, records.MASS_RELATIVE_STD
     return records.FrictionEstimate(
-        kappa_m_s2=records.Measured(
-            value=kappa,
-            std=kappa * told.kappa_relative_sd,
-            interval_95=(told.kappa_interval_m_s2.low, told.kappa_interval_m_s2.high),
-        ),
+        kappa_m_s2=_measured(told.kappa_m_s2, told.kappa_relative_sd, (interval.low, interval.high)),
+        rho_m=_rho(told),
         mu=records.Derived(value=told.mu, interval_95=(told.mu_interval.low, told.mu_interval.high)),
         assumed=records.Assumed(
             normal_force_n=experiment.grasp.normal_force_n,
             mass_kg=experiment.object.mass_kg,
             rho_m=experiment.grasp.rho_m,
         ),
+        mu_budget=records.Budget(
+            kappa_relative_std=told.kappa_relative_sd,
+            normal_force_relative_std=force,
+            mass_relative_std=mass,
+            mu_relative_std=float(np.sqrt(told.kappa_relative_sd**2 + force**2 + mass**2)),
+        ),
+        fit=records.Fit(
+            chi_square=told.chi_square,
+            outlier_share=told.outlier_share,
+            frames=told.frames,
+            start_s=_since_start(found, told.window_start_s),
+            stop_s=_since_start(found, told.window_stop_s),
+            sticking_agrees=told.sticks_alike,
+            kappa_change_per_growth_s_m=told.per_growth,
+            kappa_change_per_gravity_rad=told.per_gravity,
+        ),
     )
+
+
+def _measured(value: float, relative_std: float, interval: tuple[float, float]) -> records.Measured:
+    return records.Measured(value=value, std=value * relative_std, interval_95=interval)
+
+
+def _rho(told: FrictionEstimate) -> records.Measured | None:
+    """Rho where the slide turned enough to tell it."""
+    if not told.rho_told:
+        return None
+    spread = np.exp(Z95 * told.rho_relative_sd)
+    return _measured(told.rho_m, told.rho_relative_sd, (float(told.rho_m / spread), float(told.rho_m * spread)))
 
 
 def _write(draft: Draft, found: RecordedEstimate, document: EstimateDocument) -> None:

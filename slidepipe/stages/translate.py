@@ -52,6 +52,11 @@ def block(experiment: Experiment) -> Block:
     return Block(thing.size_x_m, thing.size_y_m, thing.mass_kg)
 
 
+def tool(experiment: Experiment) -> Tool:
+    """Where the finger frame is on the flange."""
+    return Tool(experiment.arm.tool.length_m, experiment.arm.tool.angle_rad)
+
+
 def setup(experiment: Experiment, friction: float) -> Setup:
     """What a plan is made for, with the friction that is believed."""
     grasp, arm, workspace = experiment.grasp, experiment.arm, experiment.workspace
@@ -59,7 +64,7 @@ def setup(experiment: Experiment, friction: float) -> Setup:
         block=block(experiment),
         finger=SoftFinger(friction, grasp.normal_force_n, grasp.contact_radius_m, grasp.torsion_constant),
         plane=motion_plane(experiment),
-        tool=Tool(arm.tool.length_m, arm.tool.angle_rad),
+        tool=tool(experiment),
         posture_rad=np.array(arm.posture_rad),
         limits=Limits(
             workspace_centre_m=np.array([workspace.centre_x_m, workspace.centre_y_m]),
@@ -139,7 +144,7 @@ def world(experiment: Experiment) -> WorldSettings:
         friction=lab.friction,
         normal_force_per_finger_n=lab.normal_force_per_finger_n,
         rho_m=experiment.grasp.rho_m,
-        tool=Tool(experiment.arm.tool.length_m, experiment.arm.tool.angle_rad),
+        tool=tool(experiment),
         plane=motion_plane(experiment),
         prescribed=tracker(experiment) is Tracker.PERFECT,
         mass_error=lab.tracker.mass_error,

@@ -1,18 +1,24 @@
+from pathlib import Path
+
 import pytest
 
 from slidepipe.artifacts.campaign import CampaignDocument, CampaignRow, CampaignRuns
 from slidepipe.artifacts.estimate import (
     Assumed,
+    Budget,
     ClockFit,
     Derived,
     EstimateDocument,
+    Fit,
     FrictionEstimate,
+    JointClock,
     Measured,
     SlideFound,
+    Smoothing,
 )
 from slidepipe.artifacts.plan import Belief, LimitCheck, Phase, PlanDocument, Slide
 from slidepipe.artifacts.schema import dump_model, parse
-from slidepipe.artifacts.strict_yaml import loads
+from slidepipe.artifacts.strict_yaml import load, loads
 from slidepipe.artifacts.trial import FrameCounts, TrackingError, TrialDocument, TruthDocument
 from slidepipe.artifacts.values import Pose, UncertainPose
 from slidepipe.errors import InputError
@@ -67,7 +73,10 @@ TRUTH = TruthDocument(
 ESTIMATE = EstimateDocument(
     trial=RUN,
     clock=ClockFit(offset_s=12.3, rate_ppm=20.0, residual_std_s=1e-5),
+    joints=JointClock(offset_s=0.0003, offset_std_s=2e-5, gravity_angle_rad=0.0012, gravity_angle_std_rad=0.0005),
     frames_used=560,
+    outliers=3,
+    smoothing=Smoothing(hand_nis=(1.0, 0.9, 1.1), object_nis=(1.0, 1.0, 1.0), relative_nis=(1.2, 1.0, 0.8)),
     initial_relative_pose=REACHED,
     final_relative_pose=REACHED,
     lost=None,
@@ -75,9 +84,27 @@ ESTIMATE = EstimateDocument(
     friction=FrictionEstimate(
         kappa_m_s2=Measured(value=23.1, std=0.1, interval_95=(22.9, 23.3)),
         mu=Derived(value=0.425, interval_95=(0.42, 0.43)),
+        rho_m=Measured(value=0.01, std=0.0001, interval_95=(0.0098, 0.0102)),
         assumed=Assumed(normal_force_n=1.25, mass_kg=0.023, rho_m=0.01),
+        mu_budget=Budget(
+            kappa_relative_std=0.004,
+            normal_force_relative_std=0.05,
+            mass_relative_std=0.01,
+            mu_relative_std=0.0511,
+        ),
+        fit=Fit(
+            chi_square=1.01,
+            outlier_share=0.0,
+            frames=90,
+            start_s=0.24,
+            stop_s=0.56,
+            sticking_agrees=True,
+            kappa_change_per_growth_s_m=-0.24,
+            kappa_change_per_gravity_rad=-0.2,
+        ),
     ),
     friction_missing_because=None,
+    not_told=("growth",),
     notes=("two gaps",),
     series_file="smoothed.mcap",
 )
@@ -153,3 +180,12 @@ def test_a_campaign_of_version_1_tells_its_outcome(converged, because, outcome, 
     text = text.replace("\noutcome: lost\n", "\n").replace("what_to_do: put it back\n", "")
     document = parse(CampaignDocument, loads(text, "a.yaml"))
     assert (document.outcome, document.what_to_do) == (expected, None)
+
+
+def test_an_estimate_of_version_1_is_read():
+    """The file is as the first release wrote it."""
+    told = parse(EstimateDocument, load(Path(__file__).parent / "estimate-1.yaml"))
+    assert (told.joints, told.outliers, told.smoothing, told.not_told) == (None, None, None, ())
+    assert told.friction.kappa_m_s2.value == pytest.approx(20.6, abs=0.5)
+    assert (told.friction.rho_m, told.friction.mu_budget, told.friction.fit) == (None, None, None)
+    assert parse(EstimateDocument, loads(dump_model(told), "again.yaml")) == told

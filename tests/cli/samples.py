@@ -5,10 +5,12 @@ from pathlib import Path
 from slidepipe.artifacts.campaign import CampaignDocument, CampaignOutcome, CampaignRow, CampaignRuns
 from slidepipe.artifacts.estimate import (
     Assumed,
+    Budget,
     ClockFit,
     Derived,
     EstimateDocument,
     FrictionEstimate,
+    JointClock,
     Measured,
     SlideFound,
 )
@@ -175,19 +177,31 @@ def estimate(*, friction: bool = True, lost: str | None = None) -> EstimateDocum
     found = FrictionEstimate(
         kappa_m_s2=Measured(value=23.1, std=0.1, interval_95=(22.9, 23.3)),
         mu=Derived(value=0.42504, interval_95=(0.42136, 0.42872)),
+        rho_m=None,
         assumed=Assumed(normal_force_n=1.25, mass_kg=0.023, rho_m=0.01044),
+        mu_budget=Budget(
+            kappa_relative_std=0.004,
+            normal_force_relative_std=0.05,
+            mass_relative_std=0.01,
+            mu_relative_std=0.0511,
+        ),
+        fit=None,
     )
     return EstimateDocument(
         trial=TRIAL,
         clock=ClockFit(offset_s=12.300012, rate_ppm=20.1, residual_std_s=0.0000123),
+        joints=JointClock(offset_s=0.0003, offset_std_s=2e-5, gravity_angle_rad=0.0012, gravity_angle_std_rad=0.0005),
         frames_used=542,
+        outliers=3,
+        smoothing=None,
         initial_relative_pose=uncertain(-0.01, -0.02, PI),
         final_relative_pose=uncertain(0.004, 0.0081, PI) if lost is None else None,
         lost=lost,
         slide=SlideFound(start_s=0.3112, stop_s=0.4459) if friction else None,
         friction=found if friction else None,
         friction_missing_because=None if friction else "the object did not slide",
-        notes=("rho is taken as given: this slide hardly turns",),
+        not_told=("torsion: this slide hardly turns",),
+        notes=("two gaps",),
         series_file="smoothed.mcap",
     )
 

@@ -151,7 +151,8 @@ def test_one_object_and_nothing_else(call, verb: str) -> None:
     assert told["schema"] == f"slidepipe.{verb}_result/1"
     assert (told["run"], told["directory"]) == (run.id, str(run.directory))
     name = {"execute": "trial", "iterate": "plan", "run": "campaign"}.get(verb, verb)
-    assert next(iter(told["document"].items())) == ("schema", f"slidepipe.{name}/{2 if verb == 'run' else 1}")
+    version = 2 if name in ("estimate", "campaign") else 1
+    assert next(iter(told["document"].items())) == ("schema", f"slidepipe.{name}/{version}")
 
 
 def test_the_truth_is_told_where_it_is_known(call, stages) -> None:

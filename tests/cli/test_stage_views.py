@@ -34,13 +34,16 @@ finger on the object (± one standard deviation)           x mm           y mm  
 before                                           -10.00 ± 0.03  -20.00 ± 0.02  3141.6 ± 0.4
 after                                              4.00 ± 0.03    8.10 ± 0.02  3141.6 ± 0.4
 
-kappa = mu f_N / m  23.1 ± 0.1 m/s², 95 % interval [22.9, 23.3] m/s²
-mu                  0.4250, 95 % interval [0.4214, 0.4287]
-assumed for mu      f_N 1.25 N, mass 23 g, rho 10.44 mm
-slide               from 0.311 s to 0.446 s
-frames used         542
-cameras' clock      offset 12.300012 s, rate 20.1 ppm, residual 0.0123 ms
-note                rho is taken as given: this slide hardly turns
+kappa = mu f_N / m    23.1 ± 0.1 m/s², 95 % interval [22.9, 23.3] m/s²
+mu                    0.4250, 95 % interval [0.4214, 0.4287]
+assumed for mu        f_N 1.25 N, mass 23 g, rho 10.44 mm
+± of mu in all        5.1 %: motion 0.4 %, f_N 5 % and mass 1 % if known as well as that
+slide                 from 0.311 s to 0.446 s
+frames used           542
+cameras' clock        offset 12.300012 s, rate 20.1 ppm, residual 0.0123 ms
+cameras after joints  0.300 ± 0.020 ms, gravity turned by 1.2 mrad
+not told              torsion: this slide hardly turns
+note                  two gaps
 
 data/runs/2026-11-24/20261124T093044Z-9zq1h8vn/estimate.yaml
 """

@@ -58,6 +58,9 @@ class Cameras:
     clock_drift_ppm: float = 20.0
     latency_jitter_s: float = 0.0004
     gap_s: tuple = ()
+    outlier_share: float = 0.0
+    joints_late_s: float = 0.0
+    tilt_rad: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -123,13 +126,16 @@ def real_hand(case, seed, error_m=0.001, blur_s=0.004):
     return CubicSpline(time[every], (blurred + error * window[:, None])[every], bc_type="clamped")
 
 
-def simulate(case, mu, seed, **hand_options):
-    """Integrate the object under the true friction, event by event."""
+def simulate(case, mu, seed, *, growth=0.0, static=1.0, **hand_options):
+    """Integrate the object under the true friction, event by event.
+
+    Friction grows with speed by ``growth`` (s/m), and a block that sticks holds ``static`` times as much.
+    """
     hand = real_hand(case, seed, **hand_options)
     finger = case.finger(mu)
     kappa, rho = mu * case.f_N / BLOCK.m, 0.6 * case.a
     time = np.arange(hand.x[0], hand.x[-1] - 1e-9, 2.5e-4)
-    contact = _Contact(hand, kappa, rho)
+    contact = _Contact(hand, kappa, rho, growth, static)
     q_o = np.empty((len(time), 3))
     t, r, slides = time[0], np.array(case.r_start), []
     done = 0
@@ -156,8 +162,8 @@ def simulate(case, mu, seed, **hand_options):
 class _Contact:
     """Stick and slip of the block under a hand that is given as a spline."""
 
-    def __init__(self, hand, kappa, rho):
-        self.hand, self.kappa, self.rho = hand, kappa, rho
+    def __init__(self, hand, kappa, rho, growth, static):
+        self.hand, self.kappa, self.rho, self.growth, self.static = hand, kappa, rho, growth, static
         self.per_inertia = BLOCK.m / BLOCK.inertia
 
     def stuck_object(self, time, r):
@@ -178,12 +184,12 @@ class _Contact:
         return np.concatenate([f, moment[:, None] / self.rho], 1)
 
     def first_slip(self, time, r):
-        over = np.flatnonzero(np.linalg.norm(self.need(time, r), axis=1) > 1.0)
+        over = np.flatnonzero(np.linalg.norm(self.need(time, r), axis=1) > self.static)
         if not len(over):
             return None
         last = time[over[0]]
         fine = np.linspace(last - 2.5e-4, last, 200)
-        return fine[np.argmax(np.linalg.norm(self.need(fine, r), axis=1) > 1.0)]
+        return fine[np.argmax(np.linalg.norm(self.need(fine, r), axis=1) > self.static)]
 
     def slide(self, start, r, end):
         at = np.array([start])
@@ -214,8 +220,9 @@ class _Contact:
         s = self.slip(t, y)
         u = s / np.linalg.norm(s)
         d = self.hand(t)[:2] - y[:2]
-        turn = self.kappa * self.per_inertia * (self.rho * u[2] + d[0] * u[1] - d[1] * u[0])
-        return np.array([y[3], y[4], y[5], self.kappa * u[0], self.kappa * u[1] - GRAVITY, turn])
+        kappa = self.kappa * (1.0 + self.growth * np.linalg.norm(s))
+        turn = kappa * self.per_inertia * (self.rho * u[2] + d[0] * u[1] - d[1] * u[0])
+        return np.array([y[3], y[4], y[5], kappa * u[0], kappa * u[1] - GRAVITY, turn])
 
     def relative(self, t, y):
         q_f = self.hand(t)
@@ -235,7 +242,11 @@ def record(world, cameras):
         valid = rng.uniform(size=len(time)) > cameras.dropout_share
         if cameras.gap_s:
             valid &= ~((time > cameras.gap_s[0]) & (time < cameras.gap_s[1]))
-        seen.append((valid, _poses(pose, rng, cameras)))
+        if cameras.tilt_rad:
+            pose = _tilted(pose, cameras.tilt_rad)
+        position, quaternion = _poses(pose, rng, cameras)
+        _spoil(position, quaternion, cameras)
+        seen.append((valid, (position, quaternion)))
     host = np.round(1e9 * (time - world.time[0] + host_zero)).astype(np.int64)
     received = host + 6_000_000 + np.round(1e9 * rng.exponential(cameras.latency_jitter_s, len(time))).astype(np.int64)
     frame = np.arange(100, 100 + len(time))
@@ -245,6 +256,30 @@ def record(world, cameras):
     ]
     frames = FrameSeries(frame, ticks, received, seen[0][0], seen[1][0])
     return MocapSeries(frames, bodies[0], bodies[1], _echoes(host[-1] / 1e9, rng, cameras))
+
+
+def _tilted(pose, angle):
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack([c * pose[:, 0] - s * pose[:, 1], s * pose[:, 0] + c * pose[:, 1], pose[:, 2] + angle], axis=1)
+
+
+def _spoil(position, quaternion, cameras):
+    """Gross outliers: a pose anywhere within 1 to 100 mm and up to half a turn of the true one."""
+    rng = np.random.default_rng([cameras.seed, len(position), round(1e9 * abs(position[0, 0]))])
+    wrong = np.flatnonzero(rng.uniform(size=len(position)) < cameras.outlier_share)
+    size = 10.0 ** rng.uniform(-3.0, -1.0, (len(wrong), 1))
+    position[wrong] += size * rng.normal(size=(len(wrong), 3))
+    turn = Rotation.from_rotvec(15.0 * size * rng.normal(size=(len(wrong), 3)))
+    if len(wrong):
+        quaternion[wrong] = (turn * Rotation.from_quat(quaternion[wrong])).as_quat()
+
+
+def joint_hand(world, late_s):
+    """The hand by the joint log at 500 Hz, whose clock is behind by ``late_s``; encoders have hardly any noise."""
+    time = np.arange(world.time[0] + 1e-3, world.time[-1] - 1e-3, 0.002)
+    position, matrix = PLANE.lift(CubicSpline(world.time, world.hand)(time))
+    stamps = np.round(1e9 * (time - world.time[0] + 0.7 - late_s)).astype(np.int64)
+    return PoseSeries(stamps, position, Rotation.from_matrix(matrix).as_quat(), np.arange(len(time)))
 
 
 def _ticks(host_s, cameras):
@@ -280,10 +315,12 @@ def request(world, cameras, **changes):
     zero = 0.7 + REST
 
     def stamp(seconds):
-        return round(1e9 * (zero + seconds))
+        return round(1e9 * (zero + seconds - cameras.joints_late_s))
 
     values = {
         "mocap": record(world, cameras),
+        "joint_hand": joint_hand(world, cameras.joints_late_s),
+        "start_relative_pose": np.array(case.r_start),
         "plane": PLANE,
         "block": BLOCK,
         "normal_force_n": case.f_N,

@@ -5,14 +5,16 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from slidepipe.errors import EstimationError, InputError
+from slidepipe.estimation.gate import without_outliers
 from slidepipe.estimation.plane import to_plane
-from slidepipe.estimation.poses import Track, align, without_spikes
+from slidepipe.estimation.poses import align
+from slidepipe.estimation.track import Track
 from slidepipe.mechanics.planar import MotionPlane, finger_pose
 from slidepipe.series import FrameSeries, PoseSeries
 
 PLANE = MotionPlane(np.array([0.5, 0.1, 0.3]), 1.1)
 COUNT = 60
-TURNING = np.stack([np.zeros(COUNT), np.linspace(0, 0.3, COUNT), np.linspace(2.0, 14.0, COUNT)], axis=1)
+TURNING = np.stack([np.zeros(COUNT), np.linspace(0, 0.3, COUNT), np.linspace(2.0, 5.0, COUNT)], axis=1)
 RELATIVE = np.array([0.01, 0.02, 3.1])
 
 
@@ -32,7 +34,7 @@ def frames(hand, body):
 def aligned(hand_rows, body_rows, about=3.1):
     hand = to_plane("hand", series(finger_pose(TURNING, RELATIVE), hand_rows), PLANE)
     body = to_plane("object", series(TURNING, body_rows), PLANE)
-    return align(frames(hand_rows, body_rows), np.arange(COUNT) * 1_000_000, hand, body, about)
+    return align(frames(hand_rows, body_rows), np.arange(COUNT) * 2_777_778, hand, body, about)
 
 
 def test_a_turning_body_is_unwrapped_across_a_gap():
@@ -55,13 +57,47 @@ def test_the_relative_pose_is_taken_frame_by_frame_near_the_planned_angle(about)
     )
 
 
-def test_spikes_go_and_fast_motion_stays():
-    time = np.arange(100) / 360
-    pose = np.stack([2.0 * time, 20.0 * time**2, 25.0 * time], axis=1)
-    pose[50] += [0.02, 0.0, 0.0]
-    pose[70] += [0.0, 0.0, 0.5]
-    kept = without_spikes(Track(pose, np.ones(100, bool))).valid
-    assert set(np.flatnonzero(~kept)) == {50, 70}
+@pytest.fixture(scope="module")
+def moving():
+    """Two seconds of a body that is jerked about: (time, true pose, noise)."""
+    time = np.arange(720) / 360
+    share = np.clip(time - 0.5, 0.0, 1.0)
+    ramp = share**3 * (10 - 15 * share + 6 * share**2)
+    pose = np.stack([0.4 * ramp, 0.1 * np.sin(9 * ramp), 2.5 + 2.0 * np.sin(5 * ramp)], axis=1)
+    return time, pose, np.random.default_rng(3).normal(size=pose.shape) * [3e-4, 3e-4, 3e-3]
+
+
+def test_the_gate_leaves_clean_poses_alone(moving):
+    time, pose, noise = moving
+    valid = np.random.default_rng(4).uniform(size=len(time)) > 0.2
+    valid[300:310] = False
+    kept = without_outliers(time, Track(pose + noise, valid))
+    assert np.array_equal(kept.valid, valid)
+    np.testing.assert_allclose(kept.pose[valid], (pose + noise)[valid], atol=1e-12)
+
+
+def test_the_gate_takes_out_gross_outliers_and_keeps_the_rest(moving):
+    time, pose, noise = moving
+    rng = np.random.default_rng(5)
+    gross = rng.uniform(size=len(time)) < 0.05
+    shift = rng.uniform(0.004, 0.1, (len(time), 3)) * [1.0, -1.0, 20.0] * gross[:, None]
+    kept = without_outliers(time, Track(pose + noise + shift, np.ones(len(time), bool)))
+    assert not (kept.valid & gross).any()
+    assert (kept.valid | gross).all()
+    np.testing.assert_allclose(kept.pose[kept.valid], (pose + noise)[kept.valid], atol=1e-9)
+
+
+@pytest.mark.parametrize("length", [1, 10, 20])
+def test_swapped_markers_are_taken_out_wherever_they_begin(moving, length):
+    time, pose, noise = moving
+    for first in range(200, 520, 40):
+        swapped = pose + noise
+        swapped[first : first + length] += [0.02, -0.015, 1.5]
+        wrong = np.zeros(len(time), bool)
+        wrong[first : first + length] = True
+        kept = without_outliers(time, Track(swapped, np.ones(len(time), bool))).valid
+        assert not (kept & wrong).any(), first
+        assert np.count_nonzero(~kept & ~wrong) <= 3, first
 
 
 @pytest.mark.parametrize(

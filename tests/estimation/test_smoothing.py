@@ -3,8 +3,9 @@ import pytest
 from filterpy.kalman import KalmanFilter
 
 from slidepipe.estimation.likelihood import AxisModel, best_process_noise, log_likelihood
-from slidepipe.estimation.poses import Track
-from slidepipe.estimation.smoothing import jerk_covariance, rest_noise, smooth, smooth_axis, transition
+from slidepipe.estimation.reference import jerk_covariance, reference_smooth_axis, transition
+from slidepipe.estimation.smoothing import rest_noise, smooth, smooth_axis
+from slidepipe.estimation.track import Track
 
 MODEL = AxisModel(noise=3e-4, speed=0.1, acceleration=1.0, lowest=-3.0, highest=6.0)
 
@@ -36,7 +37,7 @@ def test_the_scalar_likelihood_is_filterpys():
         kf.predict(F=F, Q=Q)
         kf.update(np.array([[z]]))
         total += float(kf.log_likelihood)
-    ours = log_likelihood(steps.tolist(), (value - value[0]).tolist(), MODEL, 40.0)
+    ours = log_likelihood(steps, value - value[0], MODEL, 40.0)
     assert ours == pytest.approx(total, rel=1e-9)
 
 
@@ -90,3 +91,40 @@ def test_rest_noise_ignores_creep_and_outliers():
 def test_rest_noise_has_a_floor():
     still = Track(np.zeros((50, 3)), np.ones(50, bool))
     np.testing.assert_allclose(rest_noise(still, np.ones(50, bool)), [2e-5, 2e-5, 2e-4])
+
+
+@pytest.mark.parametrize("density", [1e-1, 50.0, 1e4])
+def test_the_compiled_smoother_is_filterpys(density):
+    rng = np.random.default_rng(6)
+    time = uneven(400, rng)
+    valid = rng.uniform(size=400) > 0.15
+    valid[100:110] = False
+    value = np.where(valid, 2.0 + 0.3 * np.sin(5 * time) + rng.normal(size=400) * 3e-4, np.nan)
+    ours, filterpys = (one(time, value, valid, MODEL, density) for one in (smooth_axis, reference_smooth_axis))
+    np.testing.assert_allclose(ours.state, filterpys.state, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(ours.sd, filterpys.sd, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(ours.nis, filterpys.nis, rtol=1e-6)
+    assert np.isnan(ours.nis[~valid]).all()
+
+
+def test_a_wrapped_angle_is_smoothed_as_its_unwrapped_one():
+    rng = np.random.default_rng(7)
+    time = np.arange(300) / 360.0
+    angle = 25.0 * time + rng.normal(size=300) * 3e-3
+    model = AxisModel(noise=3e-3, speed=30.0, acceleration=10.0, lowest=-1.0, highest=8.0)
+    valid = rng.uniform(size=300) > 0.1
+    wrapped = smooth_axis(time, np.angle(np.exp(1j * angle)), valid, model, 1e3, period=2 * np.pi)
+    plain = smooth_axis(time, angle, valid, model, 1e3)
+    turns = (wrapped.state[:, 0] - plain.state[:, 0]) / (2 * np.pi)
+    np.testing.assert_allclose(turns, np.round(turns[0]), atol=1e-9)
+    np.testing.assert_allclose(wrapped.state[:, 1:], plain.state[:, 1:], atol=1e-6)
+
+
+def test_innovations_are_consistent_with_the_model():
+    rng = np.random.default_rng(8)
+    time = np.arange(600) / 360.0
+    path = np.stack([random_walk(time, density, rng)[:, 0] for density in (100.0, 100.0, 1e4)], axis=1)
+    noise = np.array([3e-4, 3e-4, 3e-3])
+    track = Track(path + rng.normal(size=path.shape) * noise, np.ones(600, bool))
+    smoothed = smooth(time, track, noise, np.ones(600, bool))
+    np.testing.assert_allclose(smoothed.consistency, 1.0, atol=0.2)

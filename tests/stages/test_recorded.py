@@ -48,12 +48,17 @@ def test_there_are_trials_of_both_examples_at_several_frictions(recorded: list[R
         assert len({one.true.friction for one in recorded if one.name.startswith(example)}) >= 5
 
 
-@pytest.mark.parametrize(("example", "mean", "spread"), [("linear", 0.01, 0.02), ("rotational", 0.03, 0.04)])
-def test_friction(recorded: list[Recorded], example: str, mean: float, spread: float) -> None:
+@pytest.mark.parametrize(("example", "largest"), [("linear", 0.01), ("rotational", 0.02)])
+def test_friction(recorded: list[Recorded], example: str, largest: float) -> None:
+    """Every trial is as near as asked, and all together as near as their own standard deviations say.
+
+    MuJoCo's contact is soft and creeps while it sticks; what it is off by is within what the cameras' noise does.
+    """
     errors = np.array([one.friction_error for one in recorded if one.name.startswith(example)])
+    sds = np.array([one.told.friction.kappa_relative_sd for one in recorded if one.name.startswith(example)])
     print(f"{example}: mean {100 * errors.mean():+.2f} %, spread {100 * errors.std(ddof=1):.2f} %")  # noqa: T201
-    assert abs(errors.mean()) < mean
-    assert errors.std(ddof=1) < spread
+    assert np.all(np.abs(errors) < largest)
+    assert np.sqrt(np.mean((errors / sds) ** 2)) < 1.7
 
 
 def test_final_pose_is_within_five_of_its_own_standard_deviations(recorded: list[Recorded]) -> None:

@@ -3,7 +3,7 @@
 from rich.console import RenderableType
 from rich.table import Table
 
-from slidepipe.artifacts.estimate import EstimateDocument
+from slidepipe.artifacts.estimate import EstimateDocument, FrictionEstimate
 from slidepipe.artifacts.run import Run
 from slidepipe.artifacts.values import UncertainPose
 from slidepipe.cli.views.tables import (
@@ -70,7 +70,35 @@ def _friction(estimate: EstimateDocument) -> list[tuple[str, str]]:
         ("kappa = mu f_N / m", f"{number(kappa.value)} ± {kappa.std:.2g} m/s², 95 % interval {ends}"),
         ("mu", f"{friction(mu.value)}, 95 % interval {friction_interval(mu.interval_95)}"),
         ("assumed for mu", f"f_N {force}, mass {mass}, rho {length_mm(taken.rho_m)} mm"),
+        *_torsion(found),
+        *_budget(found),
     ]
+
+
+def _torsion(found: FrictionEstimate) -> list[tuple[str, str]]:
+    rho = found.rho_m
+    return [] if rho is None else [("rho = c a", f"{1e3 * rho.value:.2f} ± {1e3 * rho.std:.2f} mm")]
+
+
+def _budget(found: FrictionEstimate) -> list[tuple[str, str]]:
+    if found.mu_budget is None:
+        return []
+    shares = found.mu_budget
+    kappa, force = _per_cent(shares.kappa_relative_std), _per_cent(shares.normal_force_relative_std)
+    mass, total = _per_cent(shares.mass_relative_std), _per_cent(shares.mu_relative_std)
+    return [("± of mu in all", f"{total}: motion {kappa}, f_N {force} and mass {mass} if known as well as that")]
+
+
+def _per_cent(share: float) -> str:
+    return f"{100.0 * share:.2g} %"
+
+
+def _joints(estimate: EstimateDocument) -> list[tuple[str, str]]:
+    found = estimate.joints
+    if found is None:
+        return []
+    offset = f"{1e3 * found.offset_s:.3f} ± {1e3 * found.offset_std_s:.3f} ms"
+    return [("cameras after joints", f"{offset}, gravity turned by {1e3 * found.gravity_angle_rad:.1f} mrad")]
 
 
 def _recording(estimate: EstimateDocument) -> list[tuple[str, str]]:
@@ -80,5 +108,7 @@ def _recording(estimate: EstimateDocument) -> list[tuple[str, str]]:
         ("slide", f"from {fixed(slide.start_s, 3)} s to {fixed(slide.stop_s, 3)} s" if slide else "nothing slid"),
         ("frames used", str(estimate.frames_used)),
         ("cameras' clock", f"{offset}, rate {number(clock.rate_ppm, 'ppm')}, {left}"),
+        *_joints(estimate),
+        *(("not told", text) for text in estimate.not_told),
         *(("note", text) for text in estimate.notes),
     ]
