@@ -14,12 +14,12 @@ from types import TracebackType
 from slidepipe.artifacts.manifest import ErrorNote, InputRef, Manifest, OutputRef, Result, RunState, Times
 from slidepipe.artifacts.provenance import code_state, environment, recipe_of, sha256_of
 from slidepipe.artifacts.run import MANIFEST, Run
-from slidepipe.artifacts.run_id import new_run_id
+from slidepipe.artifacts.run_id import STAGING, new_run_id
 from slidepipe.artifacts.schema import dump_model, parse
+from slidepipe.artifacts.seal import SEAL, seal_of
 from slidepipe.artifacts.strict_yaml import dump, loads
 from slidepipe.errors import InputError, StoreError
 
-STAGING = ".tmp-"
 _OWNER = ".owner.yaml"
 _PATCH = "diff.patch"
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
@@ -102,7 +102,7 @@ class Draft:
 
     def path(self, name: str) -> Path:
         """Where to write a file of the run."""
-        if not _NAME.fullmatch(name) or name in (MANIFEST, _PATCH):
+        if not _NAME.fullmatch(name) or name in (MANIFEST, SEAL, _PATCH):
             raise StoreError(f"run {self.run_id}: {name!r} cannot be the name of a run's file")
         return self.staging / name
 
@@ -170,13 +170,11 @@ class Draft:
         text = dump_model(self._manifest(note))
         manifest = parse(Manifest, loads(text, str(self.final / MANIFEST)))
         self.prepare()
+        (self.staging / MANIFEST).write_text(text, encoding="utf-8")
+        (self.staging / SEAL).write_text(seal_of(Run(self.staging, manifest)), encoding="utf-8")
         (self.staging / _OWNER).unlink()
-        for path in self._files():
+        for path in (*self._files(), self.staging):
             _sync(path)
-        path = self.staging / MANIFEST
-        path.write_text(text, encoding="utf-8")
-        _sync(path)
-        _sync(self.staging)
         self.staging.rename(self.final)
         for directory in (self.final.parent, *(made.parent for made in self._made)):
             _sync(directory)

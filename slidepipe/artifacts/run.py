@@ -1,6 +1,5 @@
 """One published run."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -73,15 +72,3 @@ def read_run(directory: Path) -> Run:
 def outside_input(role: str, path: Path) -> InputRef:
     """Make a reference to a file that is not in the store, such as an experiment file."""
     return InputRef(role=role, sha256=sha256_of(path), size=path.stat().st_size, run=None, file=str(path))
-
-
-def one_of(candidates: Sequence[str], limit: int = 5) -> str:
-    """Names for a message, the first few of them.
-
-    Examples
-    --------
-    >>> one_of(["a", "b", "c"], limit=2)
-    'a, b and 1 more'
-    """
-    shown = ", ".join(candidates[:limit])
-    return shown if len(candidates) <= limit else f"{shown} and {len(candidates) - limit} more"

@@ -10,6 +10,7 @@ from slidepipe.cli import render
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
+    from slidepipe.artifacts.query import Page, Query
     from slidepipe.artifacts.run import Run
     from slidepipe.artifacts.schema import Artifact
     from slidepipe.artifacts.store import Store
@@ -35,6 +36,14 @@ class Session:
         from slidepipe.artifacts.store import Store  # noqa: PLC0415  # help must not wait for it
 
         return Store(self.data)
+
+    def find(self, query: "Query") -> "Page":
+        """Find runs by the index alone, which is there at once."""
+        from slidepipe.artifacts.index import Index  # noqa: PLC0415
+        from slidepipe.artifacts.layout import check_layout  # noqa: PLC0415
+
+        check_layout(self.data)
+        return Index(self.data).find(query)
 
 
 @dataclass(frozen=True, slots=True)

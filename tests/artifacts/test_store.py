@@ -54,6 +54,7 @@ def test_a_run_has_its_place_and_its_manifest(store):
         "run.yaml",
         "estimate.yaml",
         "notes.txt",
+        "run.sha256",
     }
     assert (store.root / "store.yaml").read_text() == "schema: slidepipe.store/1\n"
     assert run.file("estimate").read_text() == "mu: 0.38\n"

@@ -1,4 +1,4 @@
-"""Runs as a person reads them: a line each in a list, and a manifest in full."""
+"""A run as a person reads it: its manifest in full."""
 
 from collections.abc import Iterable
 
@@ -11,39 +11,6 @@ from slidepipe.cli.views.tables import BARE, NONE, columns, facts, heading, numb
 
 HASH = 16
 """Digits of a hash that are shown; the manifest and ``--json`` have them all."""
-RESULTS = 2
-"""Results that stand in the list of runs."""
-
-
-def run_list(runs: Iterable[Run]) -> list[RenderableType]:
-    """Table of runs."""
-    table = columns("run", "stage", "experiment", "state", "seed", numbers=["seed"])
-    table.columns[2].no_wrap, table.columns[2].overflow = False, "fold"
-    table.add_column("results")
-    for run in runs:
-        told = run.manifest
-        seed = NONE if told.seed is None else str(told.seed)
-        results = ", ".join(f"{one.name} {number(one.value, one.unit)}" for one in told.results[:RESULTS])
-        table.add_row(run.id, told.stage, told.experiment, told.state.value, seed, results)
-    return [table]
-
-
-def run_line(run: Run) -> dict[str, object]:
-    """One run as the JSON list holds it."""
-    told = run.manifest
-    return {
-        "run": run.id,
-        "directory": str(run.directory),
-        "stage": told.stage,
-        "experiment": told.experiment,
-        "state": told.state.value,
-        "started": told.times.started,
-        "finished": told.times.finished,
-        "seed": told.seed,
-        "recipe": told.recipe,
-        "inputs": [one.run for one in told.inputs if one.run is not None],
-        "results": [one.model_dump(mode="json") for one in told.results],
-    }
 
 
 def manifest_view(run: Run) -> list[RenderableType]:
