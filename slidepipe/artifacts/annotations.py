@@ -1,8 +1,10 @@
 """What people note on runs: ``annotations.jsonl``, a line each, never changed and only added to."""
 
+import getpass
 import json
 import os
 from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 
 from slidepipe.errors import StoreError
@@ -82,6 +84,24 @@ class Annotations:
             return []
         except OSError as error:
             raise StoreError(f"{self.path}: cannot be read: {error.strerror}") from None
+
+
+def annotation_of(run: str, *, author: str | None, verdict: str | None, note: str) -> Annotation:
+    """Note of this moment, by default by the user of this process."""
+    return Annotation(
+        run=run,
+        time=f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%S.%fZ}",
+        author=author or _user(),
+        verdict=verdict,
+        note=note,
+    )
+
+
+def _user() -> str:
+    try:
+        return getpass.getuser()
+    except (KeyError, OSError):  # a container without names
+        return str(os.getuid())
 
 
 def _parsed(line: bytes) -> Annotation | None:

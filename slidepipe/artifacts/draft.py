@@ -12,6 +12,7 @@ from pathlib import Path
 from types import TracebackType
 
 from slidepipe.artifacts.manifest import ErrorNote, InputRef, Manifest, OutputRef, Result, RunState, Times
+from slidepipe.artifacts.owner import OWNER
 from slidepipe.artifacts.provenance import code_state, environment, recipe_of, sha256_of
 from slidepipe.artifacts.run import MANIFEST, Run
 from slidepipe.artifacts.run_id import STAGING, new_run_id
@@ -20,7 +21,6 @@ from slidepipe.artifacts.seal import SEAL, seal_of
 from slidepipe.artifacts.strict_yaml import dump, loads
 from slidepipe.errors import InputError, StoreError
 
-_OWNER = ".owner.yaml"
 _PATCH = "diff.patch"
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
@@ -123,7 +123,7 @@ class Draft:
     def __enter__(self) -> "Draft":
         self._make_staging()
         owner = {"pid": os.getpid(), "host": platform.node(), "begun": _instant(self.begun)}
-        (self.staging / _OWNER).write_text(dump(owner), encoding="utf-8")
+        (self.staging / OWNER).write_text(dump(owner), encoding="utf-8")
         return self
 
     def __exit__(
@@ -172,7 +172,7 @@ class Draft:
         self.prepare()
         (self.staging / MANIFEST).write_text(text, encoding="utf-8")
         (self.staging / SEAL).write_text(seal_of(Run(self.staging, manifest)), encoding="utf-8")
-        (self.staging / _OWNER).unlink()
+        (self.staging / OWNER).unlink()
         for path in (*self._files(), self.staging):
             _sync(path)
         self.staging.rename(self.final)
@@ -205,7 +205,7 @@ class Draft:
         return next((name for name in self._roles if not (self.staging / name).is_file()), None)
 
     def _files(self) -> list[Path]:
-        return sorted(path for path in self.staging.iterdir() if path.is_file() and path.name != _OWNER)
+        return sorted(path for path in self.staging.iterdir() if path.is_file() and path.name != OWNER)
 
     def _outputs(self) -> Iterator[OutputRef]:
         """Files in the order in which they got their roles, then those that got none."""

@@ -41,7 +41,7 @@ class Refs:
         StoreError
             A file does not hold a run id.
         """
-        return tuple(_read(path) for path in self._paths("*"))
+        return tuple(self.read(path) for path in self.paths())
 
     def set(self, name: str, run: "Run") -> Ref:
         """Give a run a name within its experiment; the name may have meant another run before.
@@ -60,7 +60,7 @@ class Refs:
             stream.flush()
             os.fsync(stream.fileno())
         draft.replace(path)
-        return _read(path)
+        return self.read(path)
 
     def delete(self, reference: str) -> Ref:
         """Take a name away, ``NAME`` or ``EXPERIMENT/NAME``; the run stays.
@@ -87,33 +87,35 @@ class Refs:
             There is no such name, or several experiments have it.
         """
         experiment, _, name = reference.removeprefix("@").rpartition("/")
-        paths = [path for path in self._paths(experiment or "*") if path.name == name]
+        paths = [path for path in self.paths(experiment or "*") if path.name == name]
         if not paths:
-            known = one_of([f"@{path.name}" for path in self._paths("*")])
+            known = one_of([f"@{path.name}" for path in self.paths()])
             there = f"@{LATEST}, @{LATEST}:STAGE" + (f", {known}" if known else "")
             raise NotFoundError(f"run {reference}: no such name, there are {there}")
         if len(paths) > 1:
             raise NotFoundError(f"run {reference}: may be {one_of([f'@{path.parent.name}/{name}' for path in paths])}")
-        return _read(paths[0])
+        return self.read(paths[0])
 
-    def _paths(self, experiment: str) -> list[Path]:
+    def paths(self, experiment: str = "*") -> list[Path]:
+        """Files of the names, whether or not they hold what they should."""
         if not re.fullmatch(r"\*|[a-z0-9_-]+", experiment):
             return []
         return sorted(path for path in self.directory.glob(f"{experiment}/*") if not path.name.startswith("."))
+
+    @staticmethod
+    def read(path: Path) -> Ref:
+        """Read the file of a name."""
+        try:
+            run = path.read_bytes().decode("utf-8", "replace").strip()
+        except FileNotFoundError:
+            raise NotFoundError(f"{path}: no such name") from None
+        except OSError as error:
+            raise StoreError(f"{path}: cannot be read: {error.strerror}") from None
+        if day_of(run) is None:
+            raise StoreError(f"{path}: must hold one line, a run id, got {run[:60]!r}")
+        return Ref(path.parent.name, path.name, run)
 
 
 def _check(name: str) -> None:
     if name == LATEST or not _NAME.fullmatch(name):
         raise InputError(f"name {name!r}: must begin with a-z or 0-9, then a-z 0-9 . _ -, and not be {LATEST!r}")
-
-
-def _read(path: Path) -> Ref:
-    try:
-        run = path.read_bytes().decode("utf-8", "replace").strip()
-    except FileNotFoundError:
-        raise NotFoundError(f"{path}: no such name") from None
-    except OSError as error:
-        raise StoreError(f"{path}: cannot be read: {error.strerror}") from None
-    if day_of(run) is None:
-        raise StoreError(f"{path}: must hold one line, a run id, got {run[:60]!r}")
-    return Ref(path.parent.name, path.name, run)

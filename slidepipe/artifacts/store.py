@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from slidepipe.artifacts.annotations import Annotations
 from slidepipe.artifacts.draft import Draft, Request
@@ -24,12 +25,24 @@ from slidepipe.errors import NotFoundError, StoreError
 _ENDED = (RunState.COMPLETE, RunState.LOST)
 
 
+class Damaged(NamedTuple):
+    """A run that cannot be read, and why."""
+
+    directory: Path
+    fault: str
+
+
 @dataclass(frozen=True, slots=True)
 class Survey:
     """Runs that can be read, the oldest first, and one line for each that cannot."""
 
     runs: tuple[Run, ...]
-    faults: tuple[str, ...]
+    damaged: tuple[Damaged, ...]
+
+    @property
+    def faults(self) -> tuple[str, ...]:
+        """What is wrong with the damaged ones."""
+        return tuple(one.fault for one in self.damaged)
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,14 +89,14 @@ class Store:
 
     def survey(self) -> Survey:
         """Read every run's manifest."""
-        runs, faults = [], []
+        runs, damaged = [], []
         for directory in self._directories():
             try:
                 runs.append(_read(directory))
             except (NotFoundError, StoreError) as error:
                 if directory.exists():  # else it was moved away meanwhile
-                    faults.append(str(error))
-        return Survey(tuple(sorted(runs, key=lambda run: (run.manifest.times.finished, run.id))), tuple(faults))
+                    damaged.append(Damaged(directory, str(error)))
+        return Survey(tuple(sorted(runs, key=lambda run: (run.manifest.times.finished, run.id))), tuple(damaged))
 
     def runs(self, *, experiment: str | None = None, stage: str | None = None) -> list[Run]:
         """List the runs in the order in which they were finished.

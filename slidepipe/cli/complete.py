@@ -39,6 +39,13 @@ def complete_stage(ctx: click.Context, param: click.Parameter, incomplete: str) 
     return [CompletionItem(stage) for stage in STAGES if stage.startswith(incomplete)]
 
 
+def complete_document(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """Names of the documents that have a schema."""
+    from slidepipe.artifacts.documents import DOCUMENTS
+
+    return [CompletionItem(name) for name in DOCUMENTS if name.startswith(incomplete)]
+
+
 def _data(ctx: click.Context) -> Path:
     return Path(ctx.find_root().params.get("data") or "data")
 

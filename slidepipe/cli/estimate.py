@@ -30,7 +30,7 @@ def command(ctx: click.Context, *, trial_run: str, force: bool, as_json: bool) -
 
     session: Session = ctx.obj
     result = run(EstimateRequest(trial=trial_run, store=session.store(), force=force, command=session.command))
-    note_reuse(result.run, reused=result.reused)
+    note_reuse(session, result.run, reused=result.reused)
     content = {"reused": result.reused, "document": plain(result.document)}
     report = Report("slidepipe.estimate_result/1", result.run, content)
     report.put(estimate_view(result.document, result.run), as_json=as_json)

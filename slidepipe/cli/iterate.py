@@ -46,5 +46,5 @@ def command(
     if result.run is None or result.document is None:
         report.put([WITHIN], as_json=as_json)
         return
-    note_reuse(result.run, reused=result.reused)
+    note_reuse(session, result.run, reused=result.reused)
     report.put(plan_view(result.document, result.run, all_limits=all_limits), as_json=as_json)

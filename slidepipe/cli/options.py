@@ -53,6 +53,11 @@ def overrides(example: str) -> Callable[[Callback], Callback]:
     return option
 
 
+runs_argument: Callable[[Callback], Callback] = click.argument(
+    "runs", metavar="[RUN]...", nargs=-1, shell_complete=complete_run
+)
+
+
 def run_argument(name: str) -> Callable[[Callback], Callback]:
     """Make the argument that names a run; a shell completes it."""
     argument: Callable[[Callback], Callback] = click.argument(name, metavar=name.upper(), shell_complete=complete_run)

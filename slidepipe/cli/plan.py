@@ -34,7 +34,7 @@ def command(
         experiment=experiment, store=session.store(), overrides=overrides, force=force, command=session.command
     )
     result = run(request)
-    note_reuse(result.run, reused=result.reused)
+    note_reuse(session, result.run, reused=result.reused)
     report = Report(
         "slidepipe.plan_result/1", result.run, {"reused": result.reused, "document": plain(result.document)}
     )

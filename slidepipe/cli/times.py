@@ -9,7 +9,7 @@ _AGO = re.compile(r"(\d{1,6})([dhm])")
 _UNITS = {"d": "days", "h": "hours", "m": "minutes"}
 
 
-class Instant(click.ParamType):
+class Instant(click.ParamType[datetime]):
     """A time in UTC: ISO 8601, or how long ago (``3d``, ``12h``, ``30m``)."""
 
     name = "time"

@@ -1,10 +1,11 @@
 """A run as a person reads it: its manifest in full."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from rich.console import RenderableType
 from rich.table import Table
 
+from slidepipe.artifacts.annotations import Annotation
 from slidepipe.artifacts.manifest import Manifest, Result
 from slidepipe.artifacts.run import Run
 from slidepipe.cli.views.tables import BARE, NONE, columns, facts, heading, number, size
@@ -13,10 +14,13 @@ HASH = 16
 """Digits of a hash that are shown; the manifest and ``--json`` have them all."""
 
 
-def manifest_view(run: Run) -> list[RenderableType]:
+def manifest_view(run: Run, notes: Sequence[Annotation] = ()) -> list[RenderableType]:
     """What was done, when, by which code, from what, and what came out."""
     told = run.manifest
-    parts: list[RenderableType] = [heading(f"run {run.id}"), facts(_facts(run))]
+    parts: list[RenderableType] = [
+        heading(f"run {run.id}"),
+        facts([*_facts(run), *(("note", _note(one)) for one in notes)]),
+    ]
     if told.inputs:
         parts += ["", _inputs(told)]
     if told.outputs:
@@ -43,6 +47,10 @@ def _facts(run: Run) -> list[tuple[str, str]]:
     if told.error is not None:
         rows.insert(3, ("error", f"{told.error.type}: {told.error.message}"))
     return rows
+
+
+def _note(one: Annotation) -> str:
+    return " ".join(filter(None, (one.time, one.author, one.verdict, one.note)))
 
 
 def _code(told: Manifest) -> str:
