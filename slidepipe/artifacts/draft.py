@@ -11,13 +11,15 @@ from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
 
+from slidepipe.artifacts.durable import sync
+from slidepipe.artifacts.entry import MANIFEST, SEAL
 from slidepipe.artifacts.manifest import ErrorNote, InputRef, Manifest, OutputRef, Result, RunState, Times
 from slidepipe.artifacts.owner import OWNER
 from slidepipe.artifacts.provenance import code_state, environment, recipe_of, sha256_of
-from slidepipe.artifacts.run import MANIFEST, Run
+from slidepipe.artifacts.run import Run
 from slidepipe.artifacts.run_id import STAGING, new_run_id
 from slidepipe.artifacts.schema import dump_model, parse
-from slidepipe.artifacts.seal import SEAL, seal_of
+from slidepipe.artifacts.seal import seal_of
 from slidepipe.artifacts.strict_yaml import dump, loads
 from slidepipe.errors import InputError, StoreError
 
@@ -173,11 +175,9 @@ class Draft:
         (self.staging / MANIFEST).write_text(text, encoding="utf-8")
         (self.staging / SEAL).write_text(seal_of(Run(self.staging, manifest)), encoding="utf-8")
         (self.staging / OWNER).unlink()
-        for path in (*self._files(), self.staging):
-            _sync(path)
+        sync([*self._files(), self.staging])
         self.staging.rename(self.final)
-        for directory in (self.final.parent, *(made.parent for made in self._made)):
-            _sync(directory)
+        sync([self.final.parent, *(made.parent for made in self._made)])
         self._run = Run(self.final, manifest)
 
     def _manifest(self, note: ErrorNote | None) -> Manifest:
@@ -220,12 +220,3 @@ class Draft:
 
 def _instant(when: datetime) -> str:
     return f"{when:%Y-%m-%dT%H:%M:%S.%fZ}"
-
-
-def _sync(path: Path) -> None:
-    """Wait until a file or directory is on the disk."""
-    handle = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)

@@ -1,9 +1,17 @@
 """What a list of runs shows of each: the manifest in short. Loads neither YAML nor pydantic."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
+
+MANIFEST, SEAL = "run.yaml", "run.sha256"
+HEADER = b"schema: slidepipe.run/1\n"
+"""Of manifests whose blocks are known."""
+_BLOCK = re.compile(r"^(?=[a-z_]+:)", re.MULTILINE)
+_SHOWN = ("run:", "stage:", "experiment:", "state:", "times:", "recipe:", "seed:", "inputs:", "results:")
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +64,43 @@ class Entry:
 
 def read_entry(directory: Path) -> Entry | None:
     """Entry of a published run; None where it was moved away meanwhile."""
-    from slidepipe.artifacts.run import MANIFEST, read_run  # noqa: PLC0415  # a known list needs no YAML
+    return sealed_entry(directory) or _validated_entry(directory)
+
+
+def sealed_entry(directory: Path) -> Entry | None:
+    """Entry of a run whose manifest has the bytes that its seal tells; None where it has not.
+
+    Such a manifest was validated when it was written: what a list does not show is not even parsed.
+    """
+    try:
+        raw, seal = (directory / MANIFEST).read_bytes(), (directory / SEAL).read_bytes()
+    except OSError:
+        return None
+    if not raw.startswith(HEADER) or not seal.startswith(sha256(raw).hexdigest().encode() + b"  run.yaml\n"):
+        return None
+    from slidepipe.artifacts.strict_yaml import loads  # noqa: PLC0415  # a list that is known needs no YAML
+
+    text = "".join(block for block in _BLOCK.split(raw.decode()) if block.startswith(_SHOWN))
+    told: dict[str, Any] = loads(text, str(directory / MANIFEST)).data
+    if told["run"] != directory.name:
+        return None
+    return Entry(
+        run=told["run"],
+        directory=directory,
+        stage=told["stage"],
+        experiment=told["experiment"],
+        state=told["state"],
+        recipe=told["recipe"],
+        started=told["times"]["started"],
+        finished=told["times"]["finished"],
+        seed=told["seed"],
+        inputs=tuple(dict.fromkeys(one["run"] for one in told["inputs"] if one["run"] is not None)),
+        results=tuple(told["results"]),
+    )
+
+
+def _validated_entry(directory: Path) -> Entry | None:
+    from slidepipe.artifacts.run import read_run  # noqa: PLC0415  # a known list needs no YAML
     from slidepipe.errors import NotFoundError, StoreError  # noqa: PLC0415
 
     try:

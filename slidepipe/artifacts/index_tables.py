@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from slidepipe.artifacts.entry import Entry, Stamp, read_entry
+from slidepipe.artifacts.entry import MANIFEST, Entry, Stamp, read_entry
 from slidepipe.artifacts.query import Condition, Page
 from slidepipe.artifacts.run_id import day_of
 
@@ -21,7 +21,6 @@ SETTLED_NS = 3_000_000_000
 WAIT_S = 5.0
 BATCH = 2000
 """Runs that are read before they are written: who is killed while the index is made loses no more than these."""
-MANIFEST = "run.yaml"
 _TABLES = f"""
 BEGIN IMMEDIATE;
 CREATE TABLE IF NOT EXISTS days (day TEXT PRIMARY KEY, changed_ns INTEGER, settled INTEGER, runs INTEGER);

@@ -7,11 +7,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from slidepipe.artifacts.entry import SEAL
 from slidepipe.artifacts.manifest import OutputRef
 from slidepipe.artifacts.provenance import sha256_of
 from slidepipe.artifacts.run import Run
 from slidepipe.artifacts.run_id import STAGING
-from slidepipe.artifacts.seal import SEAL, seal_of
+from slidepipe.artifacts.seal import seal_of
 from slidepipe.artifacts.store import Store
 from slidepipe.artifacts.trash import Trash
 from slidepipe.artifacts.verify import verify_run

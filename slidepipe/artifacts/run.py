@@ -3,13 +3,12 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from slidepipe.artifacts.entry import MANIFEST
 from slidepipe.artifacts.manifest import InputRef, Manifest, OutputRef
 from slidepipe.artifacts.provenance import sha256_of
 from slidepipe.artifacts.schema import parse
 from slidepipe.artifacts.strict_yaml import load
 from slidepipe.errors import InputError, NotFoundError, StoreError
-
-MANIFEST = "run.yaml"
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,11 +7,11 @@ import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from slidepipe.artifacts.entry import MANIFEST, SEAL
 from slidepipe.artifacts.provenance import sha256_of
-from slidepipe.artifacts.run import MANIFEST, Run
+from slidepipe.artifacts.run import Run
 from slidepipe.errors import NotFoundError, StoreError
 
-SEAL = "run.sha256"
 _LINE = re.compile(r"([0-9a-f]{64})  ([^/\0]+)")
 
 

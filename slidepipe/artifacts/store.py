@@ -11,13 +11,13 @@ from typing import NamedTuple
 
 from slidepipe.artifacts.annotations import Annotations
 from slidepipe.artifacts.draft import Draft, Request
-from slidepipe.artifacts.entry import Entry
+from slidepipe.artifacts.entry import MANIFEST, Entry
 from slidepipe.artifacts.index import Index
 from slidepipe.artifacts.layout import check_layout, write_layout
 from slidepipe.artifacts.manifest import InputRef, RunState
 from slidepipe.artifacts.query import Page, Query
 from slidepipe.artifacts.refs import LATEST, Refs
-from slidepipe.artifacts.run import MANIFEST, Run, read_run
+from slidepipe.artifacts.run import Run, read_run
 from slidepipe.artifacts.run_id import day_of
 from slidepipe.artifacts.wording import one_of
 from slidepipe.errors import NotFoundError, StoreError

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from slidepipe.artifacts.documents import DOCUMENTS
+from slidepipe.artifacts.entry import MANIFEST, SEAL
 from slidepipe.artifacts.manifest import InputRef, OutputRef
 from slidepipe.artifacts.provenance import recipe_of, sha256_of
-from slidepipe.artifacts.run import MANIFEST, Run
+from slidepipe.artifacts.run import Run
 from slidepipe.artifacts.schema import parse
-from slidepipe.artifacts.seal import SEAL, read_seal
+from slidepipe.artifacts.seal import read_seal
 from slidepipe.artifacts.store import Store
 from slidepipe.artifacts.strict_yaml import load
 from slidepipe.errors import NotFoundError, SlidepipeError

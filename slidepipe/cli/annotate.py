@@ -10,7 +10,8 @@ from slidepipe.cli.session import Session, note_line
 
 @options.verb(
     "annotate",
-    "Note something on a run: a verdict, a text, or both; without either, show the notes.\n\n"
+    "Note something on a run: a verdict, a text, or both.\n\n"
+    "Without either the notes are shown. "
     "Notes are only ever added, beside the runs, which never change. gc keeps a run that has a note.",
     example="slidepipe annotate @latest:execute --verdict good",
     exits={},

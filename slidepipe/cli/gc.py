@@ -13,9 +13,9 @@ from slidepipe.cli.times import INSTANT
 
 @options.verb(
     "gc",
-    "Show which runs nobody needs; --apply moves them to the trash, from where they can be moved back.\n\n"
+    "Show which runs nobody needs; --apply moves them to the trash.\n\n"
     "Never what a name or a note marks, never a trial that ran to its end, never the latest result of each stage of an "
-    "experiment, nor what any of these was made from. Nothing is ever deleted.",
+    "experiment, nor what any of these was made from. Nothing is deleted: it can be moved back.",
     example="slidepipe gc --before 7d",
     exits={},
 )

@@ -10,7 +10,7 @@ from slidepipe.cli.session import Session
 
 @options.verb(
     "log",
-    "Show what a run was made from, and what that was made from, as a tree.",
+    "Show what a run was made from, back to the experiment file, as a tree.",
     example="slidepipe log @latest:estimate",
     exits={},
 )

@@ -13,7 +13,8 @@ from slidepipe.cli.session import Session
 
 @options.verb(
     "ref",
-    "Give a run a name, which then stands for it as @NAME; without a RUN show the name, without either show all.\n\n"
+    "Give a run a name, which then stands for it as @NAME.\n\n"
+    "Without a RUN the name is shown, without a NAME all are. "
     "A name belongs to the experiment of its run, and means another run when it is given again. gc keeps what has a "
     "name, and all that it was made from.",
     example="slidepipe ref best @latest:run",

@@ -15,8 +15,9 @@ if TYPE_CHECKING:
 
 @options.verb(
     "repair",
-    "Show what can be put right in the store without guessing; --apply does it.\n\n"
-    "A damaged or missing file is copied from wherever the store has the same bytes, by their hash; a run without a "
+    "Show what can be put right in the store; --apply does it.\n\n"
+    "Nothing is guessed: a damaged or missing file is copied from where the store has the same bytes, by "
+    "their hash; a run without a "
     "seal gets one; the index is made anew. What is replaced goes to the trash.",
     example="slidepipe repair --apply",
     exits={

@@ -15,7 +15,8 @@ HINT = "# yaml-language-server: $schema={path}"
 
 @options.verb(
     "schema",
-    "Print the JSON Schema of a document, for editors and other programs; without a name, list the documents.\n\n"
+    "Print the JSON Schema of a document, for editors and other programs.\n\n"
+    "Without a NAME the documents are listed. "
     "An editor with a YAML language server (VS Code with the YAML extension, Neovim, Emacs, Helix) checks and "
     "completes a file that begins with the line '# yaml-language-server: $schema=PATH'.",
     example="slidepipe schema experiment --out experiment.schema.json",

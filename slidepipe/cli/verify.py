@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     "Check hashes, links, schemas and recordings.\n\n"
     "Without a RUN every run, name and note of the store is checked. Each run has a seal, run.sha256, which sha256sum "
     "checks as well.",
-    example="slidepipe verify",
+    example="slidepipe verify @latest:execute",
     exits={ExitCode.OK: "everything is whole", ExitCode.STORE: "something is not: each has its line"},
 )
 @options.runs_argument

@@ -8,7 +8,7 @@ from rich.tree import Tree
 from slidepipe.artifacts.ancestry import Ancestor, direct
 from slidepipe.cli.views.tables import number
 
-RESULTS = 2
+RESULTS = 1
 
 
 def ancestry_tree(ancestors: Mapping[str, Ancestor], run_id: str) -> Tree:
@@ -53,4 +53,6 @@ def _line(one: Ancestor) -> Text:
     told = one.run.manifest
     state = "" if told.state.value == "complete" else f", {told.state.value}"
     results = "".join(f"  {name.name} {number(name.value, name.unit)}" for name in told.results[:RESULTS])
-    return Text.assemble(one.id, "  ", (told.stage, "bold"), f"  {told.experiment}{state}{results}")
+    return Text.assemble(
+        one.id, "  ", (told.stage, "bold"), f"  {told.experiment}{state}{results}", no_wrap=True, overflow="ignore"
+    )
