@@ -55,5 +55,6 @@ class Index:
     def _find(self, place: str, query: Query) -> Page:
         with closing(Tables(self.root / "runs", place)) as tables:
             tables.refresh()
+            tables.faults()  # those that are whole again are found with the others
             found = tables.page(query.condition, query.limit)
             return Page(found.entries, found.total, tables.faults())
