@@ -32,7 +32,7 @@ CREATE INDEX IF NOT EXISTS by_random ON runs (random);
 CREATE INDEX IF NOT EXISTS by_day ON runs (day);
 CREATE INDEX IF NOT EXISTS by_time ON runs (finished, run, fault, experiment, stage, state);
 CREATE INDEX IF NOT EXISTS by_recipe ON runs (recipe);
-CREATE INDEX IF NOT EXISTS by_fault ON runs (fault) WHERE fault IS NOT NULL;
+CREATE INDEX IF NOT EXISTS by_fault ON runs (finished, run) WHERE fault IS NOT NULL;
 PRAGMA user_version = {VERSION};
 COMMIT;
 """
