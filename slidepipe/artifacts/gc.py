@@ -15,7 +15,6 @@ from slidepipe.artifacts.manifest import RunState
 from slidepipe.artifacts.owner import is_dead, read_owner
 from slidepipe.artifacts.query import Query
 from slidepipe.artifacts.run import Run
-from slidepipe.artifacts.run_id import STAGING
 from slidepipe.artifacts.store import Store
 from slidepipe.artifacts.trash import Trash
 
@@ -91,7 +90,7 @@ def _reason(run: Run) -> str:
 
 def _drafts(store: Store, before: datetime) -> Iterator[Garbage]:
     """Drafts of processes that are gone; those with a recording in them are left, it may be the only one."""
-    for staging in sorted((store.root / "runs").glob(f"*/{STAGING}*")):
+    for staging in store.find(Query(limit=0)).drafts:
         try:
             old = staging.stat().st_mtime < before.timestamp()
         except FileNotFoundError:  # published meanwhile

@@ -57,4 +57,4 @@ class Index:
             tables.refresh()
             tables.faults()  # those that are whole again are found with the others
             found = tables.page(query.condition, query.limit)
-            return Page(found.entries, found.total, tables.faults())
+            return Page(found.entries, found.total, tables.faults(), tables.drafts())

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from slidepipe.artifacts.entry import MANIFEST, Entry, Stamp, read_entry
 from slidepipe.artifacts.query import Condition, Page
-from slidepipe.artifacts.run_id import day_of
+from slidepipe.artifacts.run_id import STAGING, day_of
 
 MEMORY = ":memory:"
 VERSION = 1
@@ -23,7 +23,7 @@ BATCH = 2000
 """Runs that are read before they are written: who is killed while the index is made loses no more than these."""
 _TABLES = f"""
 BEGIN IMMEDIATE;
-CREATE TABLE IF NOT EXISTS days (day TEXT PRIMARY KEY, changed_ns INTEGER, settled INTEGER, runs INTEGER);
+CREATE TABLE IF NOT EXISTS days (day TEXT PRIMARY KEY, changed_ns INTEGER, settled INTEGER, runs INTEGER, drafts TEXT);
 CREATE TABLE IF NOT EXISTS runs (
     run TEXT PRIMARY KEY, random TEXT, day TEXT, stage TEXT, experiment TEXT, state TEXT, recipe TEXT, started TEXT,
     finished TEXT, fault TEXT, more TEXT, modified_ns INTEGER, size INTEGER, inode INTEGER, crc INTEGER
@@ -93,6 +93,11 @@ class Tables:
         """Runs that cannot be read."""
         return self.page(Condition("fault IS NOT NULL"), None).entries
 
+    def drafts(self) -> tuple[Path, ...]:
+        """Directories of runs that are in the making, or whose process was killed."""
+        days = self._database.execute("SELECT day, drafts FROM days WHERE drafts != '[]' ORDER BY day").fetchall()
+        return tuple(self._runs / day / name for day, names in days for name in json.loads(names))
+
     def _days(self) -> Iterable[tuple[str, int, int]]:
         """Days with when they changed and whether that is long ago; a day that lacks rows counts as never seen."""
         return self._database.execute(
@@ -140,7 +145,9 @@ class Tables:
     def _look(self, path: Path, changed_ns: int) -> None:
         """Make a day's rows what its directory holds; it was last changed at ``changed_ns`` before."""
         settled = self._now_ns() - changed_ns > SETTLED_NS
-        there = {name for name in os.listdir(path) if day_of(name) == path.name}  # noqa: PTH208  # a tenth of the time
+        names = os.listdir(path)  # noqa: PTH208  # a tenth of the time
+        there = {name for name in names if day_of(name) == path.name}
+        drafts = json.dumps(sorted(name for name in names if day_of(name.removeprefix(STAGING)) and name not in there))
         known = {run for (run,) in self._database.execute("SELECT run FROM runs WHERE day = ?", (path.name,))}
         self._remove(known - there)
         new = sorted(there - known)
@@ -148,8 +155,8 @@ class Tables:
             self._renew([path / name for name in new[start : start + BATCH]])
         with self._transaction():
             (count,) = self._database.execute("SELECT count(*) FROM runs WHERE day = ?", (path.name,)).fetchone()
-            row = (path.name, changed_ns, int(settled and count == len(there)), count)
-            self._database.execute("INSERT OR REPLACE INTO days VALUES (?, ?, ?, ?)", row)
+            row = (path.name, changed_ns, int(settled and count == len(there)), count, drafts)
+            self._database.execute("INSERT OR REPLACE INTO days VALUES (?, ?, ?, ?, ?)", row)
 
     def _renew(self, directories: list[Path]) -> None:
         """Read runs again; a run that is gone is forgotten."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 from slidepipe.artifacts.entry import Entry
 
@@ -75,8 +76,11 @@ class Page:
         How many there are, shown or not.
     damaged : tuple of Entry
         Runs that cannot be read, whatever was asked for.
+    drafts : tuple of Path
+        Staging directories: of runs in the making, or of processes that were killed.
     """
 
     entries: tuple[Entry, ...] = ()
     total: int = 0
     damaged: tuple[Entry, ...] = ()
+    drafts: tuple[Path, ...] = ()

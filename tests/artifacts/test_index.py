@@ -204,8 +204,10 @@ def test_rebuilding(store):
 def test_drafts_are_not_listed(store):
     with store.draft(stage="plan", stage_version=1, experiment="a", parameters={}) as draft:
         assert isinstance(draft, Draft)
-        assert listed(store) == []
-    assert listed(store) == [draft.run_id]
+        page = store.find(Query())
+        assert (page.entries, page.drafts) == ((), (draft.staging,))
+    page = store.find(Query())
+    assert ([one.run for one in page.entries], page.drafts) == ([draft.run_id], ())
 
 
 READER = """
