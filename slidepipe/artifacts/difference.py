@@ -78,9 +78,18 @@ def _task(told: Manifest) -> dict[str, object]:
         "experiment": told.experiment,
         "state": told.state.value,
         "seed": told.seed,
-        **{f"input.{one.role}": _origin(one) for one in told.inputs},
+        **_inputs(told),
         **flat(told.parameters),
     }
+
+
+def _inputs(told: Manifest) -> dict[str, str]:
+    """Inputs by role; where several have one, they are counted."""
+    found: dict[str, str] = {}
+    for one in told.inputs:
+        number = sum(earlier.role == one.role for earlier in told.inputs[: told.inputs.index(one)])
+        found[f"input.{one.role}" if number == 0 else f"input.{one.role}.{number + 1}"] = _origin(one)
+    return found
 
 
 def _origin(one: InputRef) -> str:

@@ -8,7 +8,10 @@ from slidepipe.errors import NotFoundError
 def names() -> dict[str, dict[str, str]]:
     """Documents by name, each with its ``schema`` header and ``what`` it is."""
     return {
-        name: {"schema": f"{model.SCHEMA}/{model.VERSION}", "what": (model.__doc__ or "").splitlines()[0]}
+        name: {
+            "schema": f"{model.SCHEMA}/{model.VERSION}",
+            "what": (model.__doc__ or "").splitlines()[0].replace("``", ""),
+        }
         for name, model in DOCUMENTS.items()
     }
 

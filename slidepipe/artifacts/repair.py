@@ -9,8 +9,7 @@ from pathlib import Path
 
 from slidepipe.artifacts.entry import SEAL
 from slidepipe.artifacts.manifest import OutputRef
-from slidepipe.artifacts.provenance import sha256_of
-from slidepipe.artifacts.run import Run
+from slidepipe.artifacts.run import Run, is_whole
 from slidepipe.artifacts.run_id import STAGING
 from slidepipe.artifacts.seal import seal_of
 from slidepipe.artifacts.store import Store
@@ -32,7 +31,7 @@ def find_fixes(store: Store) -> Iterator[Fix]:
     """Find what can be put right: files of which a whole copy is somewhere in the store, and missing seals."""
     copies = _Copies(store)
     for run in store.survey().runs:
-        spoilt = [output for output in run.manifest.outputs if not _is_whole(run.directory / output.file, output)]
+        spoilt = [output for output in run.manifest.outputs if not is_whole(run.directory / output.file, output)]
         mended = set[Path]()
         for output in spoilt:
             path, copy = run.directory / output.file, copies.find(output)
@@ -58,11 +57,7 @@ class _Copies:
                     self._places.setdefault(one.sha256, []).append(Path(one.file))
 
     def find(self, output: OutputRef) -> Path | None:
-        return next((path for path in self._places.get(output.sha256, ()) if _is_whole(path, output)), None)
-
-
-def _is_whole(path: Path, output: OutputRef) -> bool:
-    return path.is_file() and path.stat().st_size == output.size and sha256_of(path) == output.sha256
+        return next((path for path in self._places.get(output.sha256, ()) if is_whole(path, output)), None)
 
 
 def _restoring(store: Store, path: Path, copy: Path) -> Callable[[], None]:

@@ -71,3 +71,8 @@ def read_run(directory: Path) -> Run:
 def outside_input(role: str, path: Path) -> InputRef:
     """Make a reference to a file that is not in the store, such as an experiment file."""
     return InputRef(role=role, sha256=sha256_of(path), size=path.stat().st_size, run=None, file=str(path))
+
+
+def is_whole(path: Path, output: OutputRef) -> bool:
+    """Whether a file has the bytes with which an output was published."""
+    return path.is_file() and path.stat().st_size == output.size and sha256_of(path) == output.sha256

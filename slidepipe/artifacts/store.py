@@ -17,7 +17,7 @@ from slidepipe.artifacts.layout import check_layout, write_layout
 from slidepipe.artifacts.manifest import InputRef, RunState
 from slidepipe.artifacts.query import Page, Query
 from slidepipe.artifacts.refs import LATEST, Refs
-from slidepipe.artifacts.run import Run, read_run
+from slidepipe.artifacts.run import Run, is_whole, read_run
 from slidepipe.artifacts.run_id import day_of
 from slidepipe.artifacts.wording import one_of
 from slidepipe.errors import NotFoundError, StoreError
@@ -150,9 +150,12 @@ class Store:
         return self.index.find(query)
 
     def find_recipe(self, recipe: str) -> Run | None:
-        """Find the latest complete run with this recipe."""
-        found = self.find(Query(recipe=recipe, states=(RunState.COMPLETE,), limit=1)).entries
-        return _read(found[-1].directory) if found else None
+        """Find the latest complete run with this recipe, of those whose files are whole."""
+        for entry in reversed(self.find(Query(recipe=recipe, states=(RunState.COMPLETE,))).entries):
+            run = _read(entry.directory)
+            if all(is_whole(run.directory / output.file, output) for output in run.manifest.outputs):
+                return run
+        return None
 
     @property
     def index(self) -> Index:

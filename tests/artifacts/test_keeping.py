@@ -167,6 +167,14 @@ def test_difference(store) -> None:
     assert difference(before, before).task == ()
 
 
+def test_inputs_of_one_role_are_counted(store) -> None:
+    plans = [publish(store) for _ in range(3)]
+    old, new = publish(store, "run", *plans[:2]), publish(store, "run", *plans)
+    (change,) = difference(old, new).task
+    assert (change.name, change.before) == ("input.blob.3", None)
+    assert change.after.startswith(f"{plans[2].id} sha256 ")
+
+
 def test_why_it_was_computed(store, tmp_path) -> None:
     source, elsewhere = tmp_path / "e.yaml", tmp_path / "f.yaml"
     source.write_text("x")

@@ -222,6 +222,16 @@ def test_recipes(store, tmp_path):
     assert store.find_recipe("0" * 64) is None
 
 
+def test_a_damaged_run_is_not_reused(store):
+    first, second = publish(store), publish(store)
+    recipe = first.manifest.recipe
+    assert store.find_recipe(recipe).id == second.id
+    second.file("plan").write_text("a: 2\n")
+    assert store.find_recipe(recipe).id == first.id
+    first.file("plan").unlink()
+    assert store.find_recipe(recipe) is None
+
+
 def test_an_output_is_the_input_of_the_next_run(store):
     plan = publish(store)
     trial = publish(store, stage="execute", inputs=[plan.input("plan")])
