@@ -6,8 +6,6 @@ They are loaded when they are first used.
 
 from typing import TYPE_CHECKING
 
-from slidepipe.version import VERSION
-
 if TYPE_CHECKING:
     from slidepipe.notebook import (
         Run,
@@ -23,7 +21,7 @@ if TYPE_CHECKING:
         runs,
     )
 
-__version__ = VERSION
+__version__ = "0.1.0"
 
 __all__ = [
     "Run",

@@ -13,8 +13,8 @@ from functools import cache
 from importlib import metadata
 from pathlib import Path
 
+import slidepipe
 from slidepipe.artifacts.manifest import Code, Environment, InputRef
-from slidepipe.version import VERSION
 
 _TRACKED = ("slidepipe", "pyproject.toml")
 
@@ -62,14 +62,14 @@ def code_state() -> CodeState:
 
     Without git, or outside a repository of its own, there is no commit and nothing is known of changes.
     """
-    root = Path(__file__).resolve().parents[2]
+    root = Path(slidepipe.__file__).resolve().parent.parent
     top = _git(root, "rev-parse", "--show-toplevel").decode().strip()
     commit = _git(root, "rev-parse", "--verify", "HEAD").decode().strip()
     if not commit or Path(top) != root:
-        return CodeState(Code(version=VERSION, commit=None, dirty=None), b"")
+        return CodeState(Code(version=slidepipe.__version__, commit=None, dirty=None), b"")
     dirty = bool(_git(root, "status", "--porcelain", "--", *_TRACKED))
     patch = _changes(root) if dirty else b""
-    return CodeState(Code(version=VERSION, commit=commit, dirty=dirty), patch)
+    return CodeState(Code(version=slidepipe.__version__, commit=commit, dirty=dirty), patch)
 
 
 @cache

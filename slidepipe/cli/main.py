@@ -9,11 +9,11 @@ from typing import Any
 
 import click
 
+from slidepipe import __version__
 from slidepipe.cli import render
 from slidepipe.cli.exits import ExitCode, exit_code
 from slidepipe.cli.session import Session
 from slidepipe.errors import SlidepipeError
-from slidepipe.version import VERSION
 
 VERBS = (
     "plan",
@@ -95,7 +95,7 @@ class Verbs(click.Group):
     show_envvar=True,
     help="Directory of the run store.",
 )
-@click.version_option(VERSION, prog_name="slidepipe", message="%(prog)s %(version)s")
+@click.version_option(__version__, prog_name="slidepipe", message="%(prog)s %(version)s")
 @click.pass_context
 def cli(ctx: click.Context, data: Path) -> None:
     """Plan, execute, estimate and iterate a dynamic in-hand regrasp."""
