@@ -11,16 +11,18 @@ from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
 
+from slidepipe.artifacts.durable import sync
+from slidepipe.artifacts.entry import MANIFEST, SEAL
 from slidepipe.artifacts.manifest import ErrorNote, InputRef, Manifest, OutputRef, Result, RunState, Times
+from slidepipe.artifacts.owner import OWNER
 from slidepipe.artifacts.provenance import code_state, environment, recipe_of, sha256_of
-from slidepipe.artifacts.run import MANIFEST, Run
-from slidepipe.artifacts.run_id import new_run_id
+from slidepipe.artifacts.run import Run
+from slidepipe.artifacts.run_id import STAGING, new_run_id
 from slidepipe.artifacts.schema import dump_model, parse
+from slidepipe.artifacts.seal import seal_of
 from slidepipe.artifacts.strict_yaml import dump, loads
 from slidepipe.errors import InputError, StoreError
 
-STAGING = ".tmp-"
-_OWNER = ".owner.yaml"
 _PATCH = "diff.patch"
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
@@ -102,7 +104,7 @@ class Draft:
 
     def path(self, name: str) -> Path:
         """Where to write a file of the run."""
-        if not _NAME.fullmatch(name) or name in (MANIFEST, _PATCH):
+        if not _NAME.fullmatch(name) or name in (MANIFEST, SEAL, _PATCH):
             raise StoreError(f"run {self.run_id}: {name!r} cannot be the name of a run's file")
         return self.staging / name
 
@@ -123,7 +125,7 @@ class Draft:
     def __enter__(self) -> "Draft":
         self._make_staging()
         owner = {"pid": os.getpid(), "host": platform.node(), "begun": _instant(self.begun)}
-        (self.staging / _OWNER).write_text(dump(owner), encoding="utf-8")
+        (self.staging / OWNER).write_text(dump(owner), encoding="utf-8")
         return self
 
     def __exit__(
@@ -170,16 +172,12 @@ class Draft:
         text = dump_model(self._manifest(note))
         manifest = parse(Manifest, loads(text, str(self.final / MANIFEST)))
         self.prepare()
-        (self.staging / _OWNER).unlink()
-        for path in self._files():
-            _sync(path)
-        path = self.staging / MANIFEST
-        path.write_text(text, encoding="utf-8")
-        _sync(path)
-        _sync(self.staging)
+        (self.staging / MANIFEST).write_text(text, encoding="utf-8")
+        (self.staging / SEAL).write_text(seal_of(Run(self.staging, manifest)), encoding="utf-8")
+        (self.staging / OWNER).unlink()
+        sync([*self._files(), self.staging])
         self.staging.rename(self.final)
-        for directory in (self.final.parent, *(made.parent for made in self._made)):
-            _sync(directory)
+        sync([self.final.parent, *(made.parent for made in self._made)])
         self._run = Run(self.final, manifest)
 
     def _manifest(self, note: ErrorNote | None) -> Manifest:
@@ -207,7 +205,7 @@ class Draft:
         return next((name for name in self._roles if not (self.staging / name).is_file()), None)
 
     def _files(self) -> list[Path]:
-        return sorted(path for path in self.staging.iterdir() if path.is_file() and path.name != _OWNER)
+        return sorted(path for path in self.staging.iterdir() if path.is_file() and path.name != OWNER)
 
     def _outputs(self) -> Iterator[OutputRef]:
         """Files in the order in which they got their roles, then those that got none."""
@@ -222,12 +220,3 @@ class Draft:
 
 def _instant(when: datetime) -> str:
     return f"{when:%Y-%m-%dT%H:%M:%S.%fZ}"
-
-
-def _sync(path: Path) -> None:
-    """Wait until a file or directory is on the disk."""
-    handle = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)

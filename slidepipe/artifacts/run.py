@@ -1,16 +1,14 @@
 """One published run."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from slidepipe.artifacts.entry import MANIFEST
 from slidepipe.artifacts.manifest import InputRef, Manifest, OutputRef
 from slidepipe.artifacts.provenance import sha256_of
 from slidepipe.artifacts.schema import parse
 from slidepipe.artifacts.strict_yaml import load
 from slidepipe.errors import InputError, NotFoundError, StoreError
-
-MANIFEST = "run.yaml"
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,13 +73,6 @@ def outside_input(role: str, path: Path) -> InputRef:
     return InputRef(role=role, sha256=sha256_of(path), size=path.stat().st_size, run=None, file=str(path))
 
 
-def one_of(candidates: Sequence[str], limit: int = 5) -> str:
-    """Names for a message, the first few of them.
-
-    Examples
-    --------
-    >>> one_of(["a", "b", "c"], limit=2)
-    'a, b and 1 more'
-    """
-    shown = ", ".join(candidates[:limit])
-    return shown if len(candidates) <= limit else f"{shown} and {len(candidates) - limit} more"
+def is_whole(path: Path, output: OutputRef) -> bool:
+    """Whether a file has the bytes with which an output was published."""
+    return path.is_file() and path.stat().st_size == output.size and sha256_of(path) == output.sha256

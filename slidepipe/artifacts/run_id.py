@@ -7,6 +7,9 @@ from datetime import datetime
 ALPHABET = "0123456789abcdefghjkmnpqrstvwxyz"
 """Base 32 in lower case without the letters that are taken for digits."""
 
+STAGING = ".tmp-"
+"""What the name of a draft begins with; a day's directory holds drafts beside runs."""
+
 _PATTERN = re.compile(r"(\d{4})(\d\d)(\d\d)T\d{6}Z-[0-9a-hjkmnp-tv-z]{8}")
 
 

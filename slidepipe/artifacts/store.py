@@ -7,23 +7,29 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar
+from typing import NamedTuple
 
-from slidepipe.artifacts.draft import STAGING, Draft, Request
+from slidepipe.artifacts.annotations import Annotations
+from slidepipe.artifacts.draft import Draft, Request
+from slidepipe.artifacts.entry import MANIFEST, Entry
+from slidepipe.artifacts.index import Index
+from slidepipe.artifacts.layout import check_layout, write_layout
 from slidepipe.artifacts.manifest import InputRef, RunState
-from slidepipe.artifacts.run import MANIFEST, Run, one_of, read_run
+from slidepipe.artifacts.query import Page, Query
+from slidepipe.artifacts.refs import LATEST, Refs
+from slidepipe.artifacts.run import Run, is_whole, read_run
 from slidepipe.artifacts.run_id import day_of
-from slidepipe.artifacts.schema import Artifact, dump_model, parse
-from slidepipe.artifacts.strict_yaml import load
-from slidepipe.errors import InputError, NotFoundError, StoreError
+from slidepipe.artifacts.wording import one_of
+from slidepipe.errors import NotFoundError, StoreError
 
 _ENDED = (RunState.COMPLETE, RunState.LOST)
 
 
-class StoreDocument(Artifact):
-    """What is written as ``store.yaml``: the version of the layout."""
+class Damaged(NamedTuple):
+    """A run that cannot be read, and why."""
 
-    SCHEMA: ClassVar[str] = "slidepipe.store"
+    directory: Path
+    fault: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +37,12 @@ class Survey:
     """Runs that can be read, the oldest first, and one line for each that cannot."""
 
     runs: tuple[Run, ...]
-    faults: tuple[str, ...]
+    damaged: tuple[Damaged, ...]
+
+    @property
+    def faults(self) -> tuple[str, ...]:
+        """What is wrong with the damaged ones."""
+        return tuple(one.fault for one in self.damaged)
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,14 +62,7 @@ class Store:
     root: Path
 
     def __post_init__(self) -> None:
-        if self.root.exists() and not self.root.is_dir():
-            raise InputError(f"{self.root}: is a file, the store is a directory")
-        try:
-            parse(StoreDocument, load(self._layout))
-        except NotFoundError:
-            pass
-        except InputError as error:
-            raise StoreError(error.lines[0]) from None
+        check_layout(self.root)
 
     def draft(
         self,
@@ -81,18 +85,18 @@ class Store:
             seed=seed,
             command=tuple(command),
         )
-        return Draft(self._runs, request, prepare=self._write_layout)
+        return Draft(self._runs, request, prepare=lambda: write_layout(self.root))
 
     def survey(self) -> Survey:
         """Read every run's manifest."""
-        runs, faults = [], []
+        runs, damaged = [], []
         for directory in self._directories():
             try:
                 runs.append(_read(directory))
             except (NotFoundError, StoreError) as error:
                 if directory.exists():  # else it was moved away meanwhile
-                    faults.append(str(error))
-        return Survey(tuple(sorted(runs, key=lambda run: (run.manifest.times.finished, run.id))), tuple(faults))
+                    damaged.append(Damaged(directory, str(error)))
+        return Survey(tuple(sorted(runs, key=lambda run: (run.manifest.times.finished, run.id))), tuple(damaged))
 
     def runs(self, *, experiment: str | None = None, stage: str | None = None) -> list[Run]:
         """List the runs in the order in which they were finished.
@@ -117,8 +121,9 @@ class Store:
         Parameters
         ----------
         reference : str
-            A run id or the beginning of one (of its random part, too), the path of a run's directory, ``@latest``, or
-            ``@latest:STAGE`` for the latest of a stage that ran to its end.
+            A run id or the beginning of one (of its random part, too), the path of a run's directory, ``@latest``,
+            ``@latest:STAGE`` for the latest of a stage that ran to its end, or a name that was given: ``@NAME``, or
+            ``@EXPERIMENT/NAME`` where several experiments have it.
 
         Raises
         ------
@@ -126,38 +131,80 @@ class Store:
             There is none, or more than one.
         """
         if reference.startswith("@"):
-            return self._latest(reference)
+            return self._named(reference)
         path = Path(reference)
         if os.sep in reference or (path / MANIFEST).exists():
             return read_run(path.resolve())
-        found = [one for one in self._directories() if reference in _beginnings(one.name, len(reference))]
+        if day_of(reference):
+            return self.get_exactly(reference)
+        page = self.find(Query(begins=reference))
+        found = [one.directory for one in (*page.entries, *page.damaged) if _may_be(one.run, reference)]
         if not found or not reference:
             raise NotFoundError(f"run {reference}: there is none in {self.root}")
         if len(found) > 1:
-            raise NotFoundError(f"run {reference}: may be {one_of([one.name for one in found])}")
+            raise NotFoundError(f"run {reference}: may be {one_of(sorted(path.name for path in found))}")
         return _read(found[0])
 
+    def find(self, query: Query) -> Page:
+        """Find runs by the index, which is brought up to the store before."""
+        return self.index.find(query)
+
     def find_recipe(self, recipe: str) -> Run | None:
-        """Find the latest complete run with this recipe."""
-        same = (run for run in reversed(self.runs()) if run.manifest.recipe == recipe)
-        return next((run for run in same if run.manifest.state is RunState.COMPLETE), None)
+        """Find the latest complete run with this recipe, of those whose files are whole."""
+        for entry in reversed(self.find(Query(recipe=recipe, states=(RunState.COMPLETE,))).entries):
+            run = _read(entry.directory)
+            if all(is_whole(run.directory / output.file, output) for output in run.manifest.outputs):
+                return run
+        return None
+
+    @property
+    def index(self) -> Index:
+        """The index, which may be thrown away at any time."""
+        return Index(self.root)
+
+    @property
+    def refs(self) -> Refs:
+        """Names that people gave to runs."""
+        return Refs(self.root / "refs")
+
+    @property
+    def annotations(self) -> Annotations:
+        """What people noted on runs."""
+        return Annotations(self.root / "annotations.jsonl")
 
     @property
     def _runs(self) -> Path:
         return self.root / "runs"
 
-    @property
-    def _layout(self) -> Path:
-        return self.root / "store.yaml"
+    def _named(self, reference: str) -> Run:
+        """Find the run that ``@latest``, ``@latest:STAGE`` or a name that was given means."""
+        name, colon, stage = reference.removeprefix("@").partition(":")
+        if name != LATEST:
+            return self.get_exactly(self.refs.resolve(reference))
+        states = _ENDED if stage else ()
+        page = self.find(Query(stage=stage if colon else None, states=states, limit=1))
+        if not page.entries:
+            raise NotFoundError(f"run {reference}: there is none in {self.root}{_beside(page.damaged)}")
+        latest = page.entries[-1]
+        hidden = [one for one in page.damaged if one.run > latest.run]
+        if hidden:
+            raise StoreError(
+                f"{hidden[-1].fault} ({len(hidden)} damaged after {latest.run}: name the run that you mean)"
+            )
+        return _read(latest.directory)
 
-    def _latest(self, reference: str) -> Run:
-        name, _, stage = reference.partition(":")
-        if name != "@latest":
-            raise NotFoundError(f"run {reference}: unknown reference, there are @latest and @latest:STAGE")
-        runs = [run for run in self.runs(stage=stage or None) if not stage or run.manifest.state in _ENDED]
-        if not runs:
-            raise NotFoundError(f"run {reference}: there is none in {self.root}")
-        return runs[-1]
+    def get_exactly(self, run_id: str) -> Run:
+        """Find the run of this id, without the index.
+
+        Raises
+        ------
+        NotFoundError
+            There is none.
+        """
+        day = day_of(run_id)
+        if day is None or not (self._runs / day / run_id).is_dir():
+            raise NotFoundError(f"run {run_id}: there is none in {self.root}")
+        return _read(self._runs / day / run_id)
 
     def _directories(self) -> Iterator[Path]:
         """Directories of published runs, by name."""
@@ -168,14 +215,6 @@ class Store:
                 if day_of(directory.name) == day.name:
                     yield directory
 
-    def _write_layout(self) -> None:
-        """Say which layout this is, where nobody has said so yet."""
-        if self._layout.exists():
-            return
-        draft = self._layout.with_name(f"{STAGING}store-{os.getpid()}.yaml")
-        draft.write_text(dump_model(StoreDocument()), encoding="utf-8")
-        draft.replace(self._layout)
-
 
 def _read(directory: Path) -> Run:
     run = read_run(directory)
@@ -184,6 +223,10 @@ def _read(directory: Path) -> Run:
     return run
 
 
-def _beginnings(run_id: str, length: int) -> tuple[str, str]:
-    """Beginnings of this length that a run may be called by: of its id, and of its random part."""
-    return run_id[:length], run_id.partition("-")[2][:length]
+def _may_be(run_id: str, beginning: str) -> bool:
+    """Whether a run may be called by this: the beginning of its id, or of its random part."""
+    return run_id.startswith(beginning) or run_id.partition("-")[2].startswith(beginning)
+
+
+def _beside(damaged: Sequence[Entry]) -> str:
+    return f", beside {len(damaged)} that cannot be read" if damaged else ""

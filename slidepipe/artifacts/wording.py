@@ -13,3 +13,15 @@ def describe(value: object) -> str:
         return "a list"
     text = str(value).lower() if isinstance(value, bool) else repr(value)
     return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def one_of(candidates: Sequence[str], limit: int = 5) -> str:
+    """Names for a message, the first few of them.
+
+    Examples
+    --------
+    >>> one_of(["a", "b", "c"], limit=2)
+    'a, b and 1 more'
+    """
+    shown = ", ".join(candidates[:limit])
+    return shown if len(candidates) <= limit else f"{shown} and {len(candidates) - limit} more"

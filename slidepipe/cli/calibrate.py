@@ -27,7 +27,7 @@ def command(session: Session, *, trial_run: str, force: bool, as_json: bool) -> 
     from slidepipe.stages.calibrate import CalibrateRequest, run
 
     result = run(CalibrateRequest(trial=trial_run, store=session.store(), force=force, command=session.command))
-    note_reuse(result.run, reused=result.reused)
+    note_reuse(session, result.run, reused=result.reused)
     content = {"reused": result.reused, "document": plain(result.document)}
     report = Report("slidepipe.calibrate_result/1", result.run, content)
     report.put(calibration_view(result.document, result.run), as_json=as_json)

@@ -39,7 +39,7 @@ def command(ctx: click.Context, /, *, trial_run: tuple[str, ...], as_json: bool,
 
     session: Session = ctx.obj
     result = run(EstimateRequest(trial=trial_run[0], store=session.store(), command=session.command, **asked))
-    note_reuse(result.run, reused=result.reused)
+    note_reuse(session, result.run, reused=result.reused)
     content = {"reused": result.reused, "document": plain(result.document)}
     report = Report("slidepipe.estimate_result/1", result.run, content)
     report.put(estimate_view(result.document, result.run), as_json=as_json)
@@ -55,7 +55,7 @@ def _together(ctx: click.Context, trials: tuple[str, ...], *, as_json: bool, **a
 
     session: Session = ctx.obj
     result = run(PoolRequest(trials=trials, store=session.store(), command=session.command, **asked))
-    note_reuse(result.run, reused=result.reused)
+    note_reuse(session, result.run, reused=result.reused)
     estimates = [None if one is None else plain(one.document) for one in result.estimates]
     content = {"reused": result.reused, "document": plain(result.document), "estimates": estimates}
     report = Report("slidepipe.pool_result/1", result.run, content)

@@ -66,7 +66,7 @@ def command(
     if result.run is None or result.document is None:
         report.put([WITHIN], as_json=as_json)
         return
-    note_reuse(result.run, reused=result.reused)
+    note_reuse(session, result.run, reused=result.reused)
     view = plan_view(result.document, result.run, all_limits=all_limits)
     if result.why is not None:
         view = [*why_view(result.why), "", *view]

@@ -15,10 +15,38 @@ from slidepipe.cli.exits import ExitCode, exit_code
 from slidepipe.cli.session import Session
 from slidepipe.errors import SlidepipeError
 
-VERBS = ("plan", "execute", "estimate", "iterate", "run", "sweep", "calibrate", "surface", "ls", "show")
+VERBS = (
+    "plan",
+    "execute",
+    "estimate",
+    "iterate",
+    "run",
+    "sweep",
+    "calibrate",
+    "surface",
+    "ls",
+    "show",
+    "log",
+    "diff",
+    "annotate",
+    "ref",
+    "verify",
+    "repair",
+    "gc",
+    "schema",
+)
 """The commands in the order in which help shows them; each is ``slidepipe.cli.NAME``."""
 
 _COMMAND = "slidepipe.command"
+
+
+_EPILOG = """\
+A RUN is a run id, its beginning, @latest, @latest:STAGE, a given name (@NAME), or the path of a run's directory.
+
+\b
+Completion of commands and runs with Tab:
+  eval "$(_SLIDEPIPE_COMPLETE=bash_source slidepipe)"    (bash; zsh_source, fish_source)
+"""
 
 
 class Verbs(click.Group):
@@ -59,7 +87,7 @@ class Verbs(click.Group):
 @click.group(
     cls=Verbs,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
-    epilog="A RUN is a run id, its beginning, @latest, @latest:STAGE, or the path of a run's directory.",
+    epilog=_EPILOG,
 )
 @click.option(
     "--data",

@@ -17,7 +17,7 @@ def plan_one_dof(
     from slidepipe.stages.one_dof import OneDofRequest, plan
 
     result = plan(OneDofRequest(experiment, session.store(), overrides, force=force, command=session.command))
-    note_reuse(result.run, reused=result.reused)
+    note_reuse(session, result.run, reused=result.reused)
     content = {"reused": result.reused, "document": plain(result.document)}
     report = Report("slidepipe.one_dof_plan_result/1", result.run, content)
     report.put(one_dof_plan_view(result.document, result.run), as_json=as_json)

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 
 import click
 
+from slidepipe.cli.complete import complete_run
 from slidepipe.cli.exits import MEANINGS, ExitCode
 
 Callback = Callable[..., None]
@@ -53,7 +54,12 @@ def overrides(example: str) -> Callable[[Callback], Callback]:
     return option
 
 
+runs_argument: Callable[[Callback], Callback] = click.argument(
+    "runs", metavar="[RUN]...", nargs=-1, shell_complete=complete_run
+)
+
+
 def run_argument(name: str) -> Callable[[Callback], Callback]:
-    """Make the argument that names a run."""
-    argument: Callable[[Callback], Callback] = click.argument(name, metavar=name.upper())
+    """Make the argument that names a run; a shell completes it."""
+    argument: Callable[[Callback], Callback] = click.argument(name, metavar=name.upper(), shell_complete=complete_run)
     return argument

@@ -44,7 +44,7 @@ def command(ctx: click.Context, /, *, all_limits: bool, as_json: bool, figure: b
     from slidepipe.stages.plan import PlanRequest, run
 
     result = run(PlanRequest(store=session.store(), figure=figure, command=session.command, **asked))
-    note_reuse(result.run, reused=result.reused)
+    note_reuse(session, result.run, reused=result.reused)
     report = Report(
         "slidepipe.plan_result/1", result.run, {"reused": result.reused, "document": plain(result.document)}
     )

@@ -1,7 +1,7 @@
 """What every verb is given: where the store is, and what was typed."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,6 +10,8 @@ from slidepipe.cli import render
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
+    from slidepipe.artifacts.annotations import Annotation
+    from slidepipe.artifacts.query import Page, Query
     from slidepipe.artifacts.run import Run
     from slidepipe.artifacts.schema import Artifact
     from slidepipe.artifacts.store import Store
@@ -35,6 +37,14 @@ class Session:
         from slidepipe.artifacts.store import Store  # noqa: PLC0415  # help must not wait for it
 
         return Store(self.data)
+
+    def find(self, query: "Query") -> "Page":
+        """Find runs by the index alone, which is there at once."""
+        from slidepipe.artifacts.index import Index  # noqa: PLC0415
+        from slidepipe.artifacts.layout import check_layout  # noqa: PLC0415
+
+        check_layout(self.data)
+        return Index(self.data).find(query)
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +81,23 @@ def plain(document: "Artifact | None") -> dict[str, object] | None:
     return {"schema": f"{document.SCHEMA}/{document.VERSION}", **document.model_dump(mode="json")}
 
 
-def note_reuse(run: "Run", *, reused: bool) -> None:
-    """Say so where nothing was computed."""
+def note_line(note: "Annotation") -> dict[str, object]:
+    """Note on a run as JSON holds it."""
+    return asdict(note)
+
+
+def note_reuse(session: Session, run: "Run", *, reused: bool) -> None:
+    """Say why nothing was computed, or why something was although the like of it was there."""
+    from slidepipe.artifacts.reuse import equal_before, what_changed  # noqa: PLC0415
+
     if reused:
         render.note(f"reused run {run.id}: same inputs, parameters and code of the stage (--force computes it anew)")
+        return
+    store = session.store()
+    equal = equal_before(store, run)
+    if equal is not None:
+        render.note(f"computed anew (--force), though run {equal} has the same parameters, inputs and code")
+        return
+    changed = what_changed(store, run)
+    if changed is not None:
+        render.note(f"computed, {changed}")

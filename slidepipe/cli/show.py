@@ -5,7 +5,7 @@
 import click
 
 from slidepipe.cli import options
-from slidepipe.cli.session import Report, Session, plain
+from slidepipe.cli.session import Report, Session, note_line, plain
 
 
 @options.verb(
@@ -23,11 +23,14 @@ def command(session: Session, *, run: str, all_limits: bool, as_json: bool) -> N
     from slidepipe.cli.views.runs import manifest_view
     from slidepipe.cli.views.stored import read_documents, stage_view
 
-    found = session.store().get(run)
+    store = session.store()
+    found = store.get(run)
     documents = read_documents(found)
+    notes = store.annotations.of(found.id)
     content = {
         "manifest": plain(found.manifest),
         "documents": {name: plain(document) for name, document in documents.items()},
+        "annotations": [note_line(one) for one in notes],
     }
-    view = [*manifest_view(found), *stage_view(documents, found, all_limits=all_limits)]
+    view = [*manifest_view(found, notes), *stage_view(documents, found, all_limits=all_limits)]
     Report("slidepipe.run_view/1", found, content).put(view, as_json=as_json)

@@ -34,7 +34,7 @@ def command(session: Session, *, pairs: Path, supports: Path, force: bool, as_js
         pairs=pairs, supports=supports, store=session.store(), force=force, command=session.command
     )
     result = run(request)
-    note_reuse(result.run, reused=result.reused)
+    note_reuse(session, result.run, reused=result.reused)
     content = {"reused": result.reused, "document": plain(result.document)}
     report = Report("slidepipe.surface_result/1", result.run, content)
     report.put(surface_view(result.document, result.run), as_json=as_json)

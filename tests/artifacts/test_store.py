@@ -54,6 +54,7 @@ def test_a_run_has_its_place_and_its_manifest(store):
         "run.yaml",
         "estimate.yaml",
         "notes.txt",
+        "run.sha256",
     }
     assert (store.root / "store.yaml").read_text() == "schema: slidepipe.store/1\n"
     assert run.file("estimate").read_text() == "mu: 0.38\n"
@@ -219,6 +220,16 @@ def test_recipes(store, tmp_path):
     ]
     assert len({run.manifest.recipe for run in [base, *others]}) == 1 + len(others)
     assert store.find_recipe("0" * 64) is None
+
+
+def test_a_damaged_run_is_not_reused(store):
+    first, second = publish(store), publish(store)
+    recipe = first.manifest.recipe
+    assert store.find_recipe(recipe).id == second.id
+    second.file("plan").write_text("a: 2\n")
+    assert store.find_recipe(recipe).id == first.id
+    first.file("plan").unlink()
+    assert store.find_recipe(recipe) is None
 
 
 def test_an_output_is_the_input_of_the_next_run(store):

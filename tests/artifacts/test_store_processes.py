@@ -10,7 +10,11 @@ from pathlib import Path
 import pytest
 
 from slidepipe.artifacts.manifest import RunState
+from slidepipe.artifacts.query import Query
+from slidepipe.artifacts.run import read_run
+from slidepipe.artifacts.seal import read_seal
 from slidepipe.artifacts.store import Store
+from slidepipe.artifacts.verify import verify_store
 
 
 @pytest.fixture
@@ -25,26 +29,54 @@ from slidepipe.artifacts.store import Store
 store = Store(Path(sys.argv[1]))
 while True:
     with store.draft(stage="plan", stage_version=1, experiment="a", parameters={}) as draft:
-        draft.add("plan", "plan.yaml").write_text("x" * 10_000)
+        draft.add("plan", "plan.txt").write_text("x" * 10_000)
     print(draft.run_id, flush=True)
 """
 
 
-def test_killed_writers_leave_only_whole_runs(store):
-    command = [sys.executable, "-c", WRITER, str(store.root)]
-    writers = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(2)]  # noqa: S603
-    told = [writer.stdout.readline().strip() for writer in writers]
-    time.sleep(0.3)
-    for writer in writers:
-        os.kill(writer.pid, signal.SIGKILL)
-    for writer in writers:
-        told += writer.stdout.read().split("\n")
-        writer.stdout.close()
-        writer.wait()
-    runs = store.runs()
-    assert {line for line in told if len(line) == 25} <= {run.id for run in runs}
-    for run in runs:
+def start_writer(store: Store, log: Path) -> "subprocess.Popen[bytes]":
+    with log.open("ab") as stream:
+        return subprocess.Popen([sys.executable, "-c", WRITER, str(store.root)], stdout=stream)  # noqa: S603
+
+
+def look(store: Store, seen: set[str]) -> int:
+    """Read the runs that are new: each must be whole; and what was there once is there for good."""
+    entries = {one.run: one for one in store.find(Query()).entries}
+    assert seen <= entries.keys(), "a run was lost"
+    for new in entries.keys() - seen:
+        run = read_run(entries[new].directory)
         assert hashlib.sha256(run.file("plan").read_bytes()).hexdigest() == run.sha256("plan")
+        assert read_seal(run.directory).keys() >= {"run.yaml", "plan.txt"}
+    reads = len(entries.keys() - seen)
+    seen.update(entries)
+    return reads
+
+
+def test_killed_writers_leave_only_whole_runs(store, tmp_path):
+    """Six write at once; three are killed over and over, and start again. ``SLIDEPIPE_WRITERS_S`` sets for how long."""
+    lasting_s, logs = float(os.environ.get("SLIDEPIPE_WRITERS_S", "2")), [tmp_path / f"{n}.log" for n in range(6)]
+    writers = [start_writer(store, log) for log in logs]
+    seen, kills, reads = set[str](), 0, 0
+    deadline = time.monotonic() + lasting_s
+    while time.monotonic() < deadline or not all(log.read_bytes().count(b"\n") > 1 for log in logs):
+        reads += look(store, seen)
+        for index in range(3):
+            if logs[index].read_bytes().count(b"\n") > kills // 3:
+                writers[index].send_signal(signal.SIGKILL)
+                writers[index].wait()
+                writers[index], kills = start_writer(store, logs[index]), kills + 1
+    for writer in writers:
+        writer.send_signal(signal.SIGKILL)
+        writer.wait()
+    told = [line for log in logs for line in log.read_text().splitlines() if len(line) == 25]
+    look(store, seen)
+    published = [path.parent.name for path in store.root.glob("runs/*/2*/run.yaml")]
+    assert len(told) == len(set(told)), "a run was published twice"
+    assert sorted(published) == sorted(seen), "the index and the directories agree"
+    assert set(told) <= seen, "a run that its writer knew to be published was lost"
+    assert len(seen) - len(set(told)) <= kills + 6, "and none came from nowhere"
+    assert list(verify_store(store)) == []
+    print(f"{len(seen)} runs by 6 writers in {lasting_s:g} s, {kills} kills, {reads} whole reads")  # noqa: T201  # what a long run is for
 
 
 INTERRUPTED = """

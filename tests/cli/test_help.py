@@ -1,13 +1,16 @@
 """What the command line says of itself, and that it says so at once."""
 
+import os
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import click
 import pytest
 
 from slidepipe import __version__
+from slidepipe.artifacts.store import Store
 from slidepipe.cli.exits import ExitCode
 from slidepipe.cli.main import VERBS, cli
 
@@ -17,15 +20,54 @@ HEAVY = {
 }  # fmt: skip
 
 
+NUMERICAL = HEAVY - {"rich", "pydantic", "yaml"}
+
+
+def packages(told: str) -> set[str]:
+    """Top packages that ``-X importtime`` told of."""
+    names = [line.rpartition("|")[2].strip() for line in told.splitlines() if line.startswith("import time:")]
+    return {name.partition(".")[0] for name in names}
+
+
+def imported_by(*arguments: str) -> set[str]:
+    command = [sys.executable, "-X", "importtime", "-m", "slidepipe", *arguments]
+    return packages(subprocess.run(command, capture_output=True, text=True, check=True).stderr)  # noqa: S603
+
+
 @pytest.mark.parametrize(
     "arguments", [["--help"], ["plan", "--help"], ["--version"], *([verb, "-h"] for verb in VERBS)]
 )
 def test_help_waits_for_nothing_heavy(arguments: list[str]) -> None:
-    command = [sys.executable, "-X", "importtime", "-m", "slidepipe", *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)  # noqa: S603
-    imported = {line.rpartition("|")[2].strip() for line in done.stderr.splitlines() if line.startswith("import time:")}
-    assert "slidepipe.cli.main" in imported
-    assert {name.partition(".")[0] for name in imported} & HEAVY == set()
+    imported = imported_by(*arguments)
+    assert "slidepipe" in imported
+    assert imported & HEAVY == set()
+
+
+LISTS = [["ls"], ["ls", "--json"], ["ref"]]
+
+
+@pytest.mark.parametrize("arguments", LISTS)
+def test_lists_wait_for_nothing_that_computes(tmp_path: Path, arguments: list[str]) -> None:
+    """A list of runs that the index knows loads neither YAML nor pydantic; a name, no numerical library."""
+    store = Store(tmp_path)
+    with store.draft(stage="plan", stage_version=1, experiment="a", parameters={}):
+        pass
+    store.index.rebuild()
+    heavy = HEAVY - {"rich"} if arguments[0] == "ls" else NUMERICAL
+    assert imported_by("--data", str(tmp_path), *arguments) & heavy == set()
+
+
+def test_completion_waits_for_nothing_that_computes(tmp_path: Path) -> None:
+    store = Store(tmp_path)
+    with store.draft(stage="plan", stage_version=1, experiment="a", parameters={}) as draft:
+        pass
+    store.index.rebuild()
+    words = {"_SLIDEPIPE_COMPLETE": "bash_complete", "COMP_CWORD": "4"}
+    shell = words | {"COMP_WORDS": f"slidepipe --data {tmp_path} show {draft.run_id[:10]}"}
+    command = [sys.executable, "-X", "importtime", "-m", "slidepipe"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=os.environ | shell)  # noqa: S603
+    assert done.stdout.splitlines() == [f"plain,{draft.run_id}"]
+    assert packages(done.stderr) & HEAVY == set()
 
 
 def test_help_of_the_group(call) -> None:

@@ -206,7 +206,7 @@ def test_list_of_nothing(call) -> None:
 def test_show(call, publish) -> None:
     run = publish(samples.plan_run(), plan=samples.plan())
     told = json.loads(call("show", "@latest", "--json").stdout)
-    assert list(told) == ["schema", "run", "directory", "manifest", "documents"]
+    assert list(told) == ["schema", "run", "directory", "manifest", "documents", "annotations"]
     assert told["schema"] == "slidepipe.run_view/1"
     assert told["manifest"]["schema"] == "slidepipe.run/1"
     assert told["manifest"]["outputs"][1]["sha256"] == run.sha256("reference")

@@ -1,55 +1,26 @@
-"""Runs as a person reads them: a line each in a list, and a manifest in full."""
+"""A run as a person reads it: its manifest in full."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from rich.console import RenderableType
 from rich.table import Table
 
+from slidepipe.artifacts.annotations import Annotation
 from slidepipe.artifacts.manifest import Manifest, Result
 from slidepipe.artifacts.run import Run
 from slidepipe.cli.views.tables import BARE, NONE, columns, facts, heading, number, size
 
 HASH = 16
 """Digits of a hash that are shown; the manifest and ``--json`` have them all."""
-RESULTS = 2
-"""Results that stand in the list of runs."""
 
 
-def run_list(runs: Iterable[Run]) -> list[RenderableType]:
-    """Table of runs."""
-    table = columns("run", "stage", "experiment", "state", "seed", numbers=["seed"])
-    table.columns[2].no_wrap, table.columns[2].overflow = False, "fold"
-    table.add_column("results")
-    for run in runs:
-        told = run.manifest
-        seed = NONE if told.seed is None else str(told.seed)
-        results = ", ".join(f"{one.name} {number(one.value, one.unit)}" for one in told.results[:RESULTS])
-        table.add_row(run.id, told.stage, told.experiment, told.state.value, seed, results)
-    return [table]
-
-
-def run_line(run: Run) -> dict[str, object]:
-    """One run as the JSON list holds it."""
-    told = run.manifest
-    return {
-        "run": run.id,
-        "directory": str(run.directory),
-        "stage": told.stage,
-        "experiment": told.experiment,
-        "state": told.state.value,
-        "started": told.times.started,
-        "finished": told.times.finished,
-        "seed": told.seed,
-        "recipe": told.recipe,
-        "inputs": [one.run for one in told.inputs if one.run is not None],
-        "results": [one.model_dump(mode="json") for one in told.results],
-    }
-
-
-def manifest_view(run: Run) -> list[RenderableType]:
+def manifest_view(run: Run, notes: Sequence[Annotation] = ()) -> list[RenderableType]:
     """What was done, when, by which code, from what, and what came out."""
     told = run.manifest
-    parts: list[RenderableType] = [heading(f"run {run.id}"), facts(_facts(run))]
+    parts: list[RenderableType] = [
+        heading(f"run {run.id}"),
+        facts([*_facts(run), *(("note", _note(one)) for one in notes)]),
+    ]
     if told.inputs:
         parts += ["", _inputs(told)]
     if told.outputs:
@@ -76,6 +47,10 @@ def _facts(run: Run) -> list[tuple[str, str]]:
     if told.error is not None:
         rows.insert(3, ("error", f"{told.error.type}: {told.error.message}"))
     return rows
+
+
+def _note(one: Annotation) -> str:
+    return " ".join(filter(None, (one.time, one.author, one.verdict, one.note)))
 
 
 def _code(told: Manifest) -> str:

@@ -2,12 +2,14 @@
 
 import math
 from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
 
 from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from slidepipe.artifacts.values import Planar
+if TYPE_CHECKING:
+    from slidepipe.artifacts.values import Planar
 
 NONE = "-"
 """What stands where there is no value."""
@@ -93,12 +95,12 @@ def friction_interval(ends: tuple[float, float] | None) -> str:
     return NONE if ends is None else f"[{fixed(ends[0], 4)}, {fixed(ends[1], 4)}]"
 
 
-def planar(vector: Planar) -> tuple[str, str, str]:
+def planar(vector: "Planar") -> tuple[str, str, str]:
     """Return x and y in mm, theta in mrad."""
     return length_mm(vector[0]), length_mm(vector[1]), angle_mrad(vector[2])
 
 
-def near(vector: Planar, reference: Planar) -> Planar:
+def near(vector: "Planar", reference: "Planar") -> "Planar":
     """Pose with its angle in the turn that is nearest to a reference's.
 
     Examples
