@@ -22,6 +22,7 @@ from slidepipe.artifacts.strict_yaml import load
 from slidepipe.artifacts.trial import FrameCounts, Outcome, TrackingError, TrialDocument, TruthDocument
 from slidepipe.artifacts.values import Pose
 from slidepipe.errors import InputError
+from slidepipe.lab.course import rest_move_rest
 from slidepipe.lab.loop import Execution, execute
 from slidepipe.lab.simulated import SimulatedLab, Truth
 from slidepipe.series import FloatArray, MocapSeries
@@ -127,7 +128,7 @@ def _record(
     }
     attachments = {"plan.yaml": plan_run.file(PLAN).read_bytes(), "experiment.yaml": dump_model(experiment).encode()}
     with RecordingWriter(draft.add(RECORDING, "trial.mcap"), provenance, attachments) as writer:
-        return lab, execute(reference, lab, lab, TrialRecorder(writer, lab.ticks_per_s))
+        return lab, execute(rest_move_rest(reference), lab, lab, TrialRecorder(writer, lab.ticks_per_s))
 
 
 def _trial(recording: Recording, execution: Execution, plan_run: str, experiment: Experiment) -> TrialDocument:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from slidepipe.lab.cameras import CameraSettings
+from slidepipe.lab.course import rest_move_rest
 from slidepipe.lab.loop import Execution, execute
 from slidepipe.lab.protocols import ClockExchange, JointCommand, JointState, MocapFrame
 from slidepipe.lab.simulated import SimulatedLab, Tracker, Truth
@@ -104,7 +105,7 @@ def run_trial(plan: Plan, setup: Setup, tracker: Tracker, *, seed: int = 1, fric
         random=np.random.default_rng(seed),
     )
     notes = Notes()
-    execution = execute(asked, lab, lab, notes)
+    execution = execute(rest_move_rest(asked), lab, lab, notes)
     return Trial(lab.truth(), notes, execution, asked)
 
 

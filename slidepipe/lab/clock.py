@@ -1,0 +1,141 @@
+"""Time as the lab's processes see it: real, or virtual and as fast as the machine computes."""
+
+import ctypes
+import errno
+import os
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+
+from slidepipe.errors import LabError
+from slidepipe.series import IntArray
+from slidepipe.tick import TICK_S
+
+TICK_NS = round(1e9 * TICK_S)
+_NS_PER_S = 1_000_000_000
+_MONOTONIC, _ABSOLUTE = 1, 1
+"""CLOCK_MONOTONIC and TIMER_ABSTIME of Linux."""
+
+
+class Clock(Protocol):
+    """What time it is, and waiting for a later one."""
+
+    def now_ns(self) -> int:
+        """Nanoseconds on the host's clock."""
+
+    def wait_until(self, deadline_ns: int) -> None:
+        """Return when the deadline has come, at once if it has passed."""
+
+
+class _TimeSpec(ctypes.Structure):
+    _fields_ = (("seconds", ctypes.c_long), ("nanoseconds", ctypes.c_long))
+
+
+class RealClock:
+    """The host's clock: nanoseconds since 1970 that never go back, and sleeping to an absolute deadline."""
+
+    def __init__(self) -> None:
+        self._since_ns = time.time_ns() - time.monotonic_ns()
+        self._deadline = _TimeSpec()
+        self._reference = ctypes.byref(self._deadline)
+        self._sleep = ctypes.CDLL(None, use_errno=True).clock_nanosleep
+
+    def now_ns(self) -> int:
+        """Time now."""
+        return time.monotonic_ns() + self._since_ns
+
+    def wait_until(self, deadline_ns: int) -> None:
+        """Sleep in the kernel until an absolute time, so that lateness never adds up."""
+        monotonic_ns = deadline_ns - self._since_ns
+        self._deadline.seconds, self._deadline.nanoseconds = divmod(max(0, monotonic_ns), _NS_PER_S)
+        while (code := self._sleep(_MONOTONIC, _ABSOLUTE, self._reference, None)) == errno.EINTR:
+            pass
+        if code:
+            raise LabError(f"clock: clock_nanosleep failed: {os.strerror(code)}")
+
+
+@dataclass(slots=True)
+class VirtualClock:
+    """A clock that stands still until somebody waits; what else happens meanwhile runs at its own times.
+
+    Attributes
+    ----------
+    time_ns : int
+    """
+
+    time_ns: int = _NS_PER_S
+    _next: list[tuple[int, int, Callable[[int], None]]] = field(default_factory=list)
+
+    def now_ns(self) -> int:
+        """Time now."""
+        return self.time_ns
+
+    def every(self, period_ns: int, phase_ns: int, work: Callable[[int], None]) -> None:
+        """Have ``work`` called with the time, every so often from ``phase_ns`` after now on."""
+        self._next.append((self.time_ns + phase_ns, period_ns, work))
+
+    def wait_until(self, deadline_ns: int) -> None:
+        """Let everything happen that is due by then."""
+        while self._next:
+            index = min(range(len(self._next)), key=lambda one: self._next[one][0])
+            due_ns, period_ns, work = self._next[index]
+            if due_ns > deadline_ns:
+                break
+            self.time_ns = max(self.time_ns, due_ns)
+            self._next[index] = (due_ns + period_ns, period_ns, work)
+            work(due_ns)
+        self.time_ns = max(self.time_ns, deadline_ns)
+
+
+class Pacer(Protocol):
+    """What the loop waits for."""
+
+    def wait(self) -> int:
+        """Return when the next tick is due, and how many ticks have come due: 1, more where the machine was late."""
+
+
+class Unpaced:
+    """The pace of a lab that moves on only when it is told to."""
+
+    def wait(self) -> int:
+        """Go on at once."""
+        return 1
+
+
+class Beat:
+    """Absolute deadlines, one every tick, from the first call on; how late each was met is kept.
+
+    Parameters
+    ----------
+    clock : Clock
+    longest_s : float
+        Room that is made beforehand for so much lateness; what comes after is counted, and not kept.
+    """
+
+    def __init__(self, clock: Clock, longest_s: float) -> None:
+        self._clock = clock
+        self._due_ns = -1
+        self._late_ns = np.zeros(round(longest_s / TICK_S) + 1, dtype=np.int64)
+        self._count = 0
+
+    def wait(self) -> int:
+        """Wait for the next deadline that has not passed entirely."""
+        if self._due_ns < 0:
+            self._due_ns = self._clock.now_ns()
+            self.first_ns = self._due_ns
+        self._clock.wait_until(self._due_ns)
+        late_ns = self._clock.now_ns() - self._due_ns
+        missed = late_ns // TICK_NS
+        if self._count < len(self._late_ns):
+            self._late_ns[self._count] = late_ns
+        self._count += 1
+        self._due_ns += (1 + missed) * TICK_NS
+        return 1 + missed
+
+    @property
+    def late_ns(self) -> IntArray:
+        """Lateness of every tick so far, ns."""
+        return self._late_ns[: self._count]
