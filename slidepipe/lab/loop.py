@@ -69,7 +69,9 @@ class _Loop:
 
     def tick(self, command: JointCommand) -> JointState:
         if self._count % self._echo_every == 0:
-            self._recorder.clock(self._cameras.echo())
+            exchange = self._cameras.echo()
+            if exchange is not None:
+                self._recorder.clock(exchange)
         self._count += 1
         state = self._arm.exchange(command)
         self._recorder.joints(command, state)

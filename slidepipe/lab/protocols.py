@@ -76,8 +76,11 @@ class MotionCapture(Protocol):
     def take(self) -> list[MocapFrame]:
         """Frames that have arrived since the last call, oldest first."""
 
-    def echo(self) -> ClockExchange:
-        """Ask the cameras for their clock."""
+    def echo(self) -> ClockExchange | None:
+        """Ask the cameras for their clock; return an exchange that was completed and not told yet, if there is one.
+
+        It returns at once: over a network, the answer is told by a later call.
+        """
 
 
 class Recorder(Protocol):
