@@ -60,6 +60,10 @@ class NatNetServer:
     models : ModelDef
         What it tracks.
 
+    Attributes
+    ----------
+    settings : ServerSettings
+
     Raises
     ------
     LabError
@@ -67,7 +71,7 @@ class NatNetServer:
     """
 
     def __init__(self, settings: ServerSettings, models: ModelDef) -> None:
-        self._settings, self._models, self._changed = settings, models, False
+        self.settings, self._models, self._changed = settings, models, False
         self._clients: dict[Address, _Client] = {}
         clock = HostClock()
         self._socket = DatagramSocket(Address(settings.interface, settings.command_port), clock)
@@ -107,7 +111,7 @@ class NatNetServer:
             if datagram is None:
                 break
             self._answer(datagram, now_ticks)
-        longest = SILENT_S * self._settings.clock_hz
+        longest = SILENT_S * self.settings.clock_hz
         self._clients = {
             address: client for address, client in self._clients.items() if now_ticks - client.heard_ticks < longest
         }
@@ -123,9 +127,9 @@ class NatNetServer:
         if self._changed:
             frame = replace(frame, params=frame.params | m.FrameFlags.MODELS_CHANGED)
             self._changed = False
-        if self._settings.transport is Transport.MULTICAST:
-            group = Address(self._settings.group, self._settings.data_port)
-            self._socket.send(encode(frame, self._settings.version), group)
+        if self.settings.transport is Transport.MULTICAST:
+            group = Address(self.settings.group, self.settings.data_port)
+            self._socket.send(encode(frame, self.settings.version), group)
             return
         packets = {version: encode(frame, version) for version in {one.version for one in self._clients.values()}}
         for address, client in self._clients.items():
@@ -138,26 +142,26 @@ class NatNetServer:
     def _answer(self, datagram: Datagram, now_ticks: int) -> None:
         sender = datagram.sender
         try:
-            message = decode(datagram.data, self._settings.version)
+            message = decode(datagram.data, self.settings.version)
         except PacketError:
-            self._socket.send(encode(m.Unrecognized(), self._settings.version), sender)
+            self._socket.send(encode(m.Unrecognized(), self.settings.version), sender)
             return
         client = self._clients.get(sender)
         if client is not None:
             client.heard_ticks = now_ticks
-        elif isinstance(message, m.Connect) and self._settings.transport is Transport.UNICAST:
+        elif isinstance(message, m.Connect) and self.settings.transport is Transport.UNICAST:
             self._welcome(sender, now_ticks)
         if isinstance(message, m.Disconnect):
             self._clients.pop(sender, None)
             return
         answer = self._reply(message, sender, now_ticks)
         if answer is not None:
-            version = self._clients[sender].version if sender in self._clients else self._settings.version
+            version = self._clients[sender].version if sender in self._clients else self.settings.version
             self._socket.send(encode(answer, version), sender)
 
     def _welcome(self, sender: Address, now_ticks: int) -> None:
         if len(self._clients) < MOST_CLIENTS:
-            self._clients[sender] = _Client(now_ticks, self._settings.version)
+            self._clients[sender] = _Client(now_ticks, self.settings.version)
 
     def _reply(self, message: Message, sender: Address, now_ticks: int) -> Message | None:
         match message:
@@ -174,7 +178,7 @@ class NatNetServer:
         return m.Unrecognized()
 
     def _info(self) -> m.ServerInfo:
-        settings = self._settings
+        settings = self.settings
         version = (settings.version.major, settings.version.minor, 0, 0)
         a, b, c, d = (int(part) for part in settings.group.split("."))
         multicast = int(settings.transport is Transport.MULTICAST)
@@ -189,12 +193,12 @@ class NatNetServer:
         if command != BITSTREAM:
             return m.Unrecognized()
         if not wanted:
-            return m.Response(f"{BITSTREAM},{client.version if client else self._settings.version}")
+            return m.Response(f"{BITSTREAM},{client.version if client else self.settings.version}")
         try:
             version = NatNetVersion.parse(wanted)
         except PacketError:
             return m.Response(1)
-        if client is None or self._settings.version < FREE_VERSION_SINCE or not OLDEST <= version <= NEWEST:
+        if client is None or self.settings.version < FREE_VERSION_SINCE or not OLDEST <= version <= NEWEST:
             return m.Response(1)
         client.version = version
         return m.Response(0)
