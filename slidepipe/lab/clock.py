@@ -3,7 +3,6 @@
 import ctypes
 import errno
 import os
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Protocol
@@ -11,6 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from slidepipe.errors import LabError
+from slidepipe.lab.host_clock import HostClock
 from slidepipe.series import IntArray
 from slidepipe.tick import TICK_S
 
@@ -34,18 +34,14 @@ class _TimeSpec(ctypes.Structure):
     _fields_ = (("seconds", ctypes.c_long), ("nanoseconds", ctypes.c_long))
 
 
-class RealClock:
-    """The host's clock: nanoseconds since 1970 that never go back, and sleeping to an absolute deadline."""
+class RealClock(HostClock):
+    """The host's clock, with sleeping to an absolute deadline."""
 
     def __init__(self) -> None:
-        self._since_ns = time.time_ns() - time.monotonic_ns()
+        super().__init__()
         self._deadline = _TimeSpec()
         self._reference = ctypes.byref(self._deadline)
         self._sleep = ctypes.CDLL(None, use_errno=True).clock_nanosleep
-
-    def now_ns(self) -> int:
-        """Time now."""
-        return time.monotonic_ns() + self._since_ns
 
     def wait_until(self, deadline_ns: int) -> None:
         """Sleep in the kernel until an absolute time, so that lateness never adds up."""

@@ -92,7 +92,10 @@ class MotionCapture(Protocol):
         """Frames that have arrived since the last call, oldest first."""
 
     def echo(self) -> ClockExchange | None:
-        """Ask the cameras for their clock; returns at once, with an answer that was not told yet, if there is one."""
+        """Ask the cameras for their clock; return an exchange that was completed and not told yet, if there is one.
+
+        It returns at once: over a network, the answer is told by a later call.
+        """
 
 
 class Recorder(Protocol):

@@ -2,19 +2,20 @@
 
 from slidepipe.artifacts import topics
 from slidepipe.artifacts.recording_writer import RecordingWriter
+from slidepipe.lab.camera_clock import CameraClock
 from slidepipe.lab.protocols import ClockExchange, JointCommand, JointState, MocapFrame
 
 
 class TrialRecorder:
     """Implements the loop's ``Recorder`` on a recording.
 
-    A frame's time on the host's clock is told by the echo with the shortest round trip so far; the raw ticks and every
+    A frame's time on the host's clock is told by the echo with the shortest round trip of late; the raw ticks and every
     echo are recorded as well, so that an estimate can do better.
     """
 
     def __init__(self, writer: RecordingWriter, ticks_per_s: float) -> None:
         self._writer, self._ticks_per_s = writer, ticks_per_s
-        self._best: ClockExchange | None = None
+        self._clock = CameraClock(ticks_per_s)
 
     def joints(self, command: JointCommand, state: JointState) -> None:
         """Record one tick of the arm."""
@@ -37,7 +38,8 @@ class TrialRecorder:
 
     def frame(self, frame: MocapFrame) -> None:
         """Record one camera frame and the bodies that were seen in it."""
-        stamp_ns = self._host_ns(frame)
+        known_ns = self._clock.host_ns(frame.ticks)
+        stamp_ns = frame.received_ns if known_ns is None else known_ns
         self._writer.frame(
             stamp_ns=stamp_ns,
             received_ns=frame.received_ns,
@@ -59,8 +61,7 @@ class TrialRecorder:
 
     def clock(self, exchange: ClockExchange) -> None:
         """Record one echo."""
-        if self._best is None or _trip_ns(exchange) < _trip_ns(self._best):
-            self._best = exchange
+        self._clock.take(exchange)
         self._writer.clock(
             sent_ns=exchange.sent_ns,
             ticks=exchange.ticks,
@@ -71,13 +72,3 @@ class TrialRecorder:
     def event(self, stamp_ns: int, text: str) -> None:
         """Record that something happened."""
         self._writer.event(stamp_ns=stamp_ns, log_ns=stamp_ns, name="loop", message=text)
-
-    def _host_ns(self, frame: MocapFrame) -> int:
-        if self._best is None:
-            return frame.received_ns
-        middle_ns = (self._best.sent_ns + self._best.received_ns) // 2
-        return max(0, middle_ns + round(1e9 * (frame.ticks - self._best.ticks) / self._ticks_per_s))
-
-
-def _trip_ns(exchange: ClockExchange) -> int:
-    return exchange.received_ns - exchange.sent_ns
