@@ -22,6 +22,7 @@ LINK_TICKS = 100
 PERSON_NS = 1_000_000_000
 """and an arm that has lost its link only after a silence of a second: the program itself never links again."""
 STRAY = 2**31
+MOST_AT_ONCE = 64
 
 
 class ArmMode(Enum):
@@ -67,9 +68,12 @@ class ArmProgram:
         self.mode = ArmMode.HOLDING
         self.links = self.lost_links = 0
 
-    def command(self, now_ns: int) -> JointCommand:
-        """Find what the arm is to do in the tick that begins."""
-        order = self._latest(now_ns)
+    def command(self, now_ns: int, *, behind: int = 0) -> JointCommand:
+        """Find what the arm is to do in the tick that begins.
+
+        A program that is ``behind`` by some ticks, for its machine was, takes one datagram for each of those.
+        """
+        order = self._latest(now_ns, 1 if behind else MOST_AT_ONCE)
         if order is not None:
             self._missed = 0
             self._consider_linking(order, now_ns)
@@ -98,9 +102,12 @@ class ArmProgram:
         for packet in self._out.take(now_ns):
             self._transport.send(packet)
 
-    def _latest(self, now_ns: int) -> Order | None:
+    def _latest(self, now_ns: int, most: int) -> Order | None:
         """Take the last datagram of this tick; where they are numbered, none that is older than the last one."""
-        while (packet := self._transport.receive()) is not None:
+        for _ in range(most):
+            packet = self._transport.receive()
+            if packet is None:
+                break
             self._in.put(packet, now_ns)
         latest = None
         for packet in self._in.take(now_ns):

@@ -87,7 +87,9 @@ class VirtualClock:
 
 
 class Pacer(Protocol):
-    """What the loop waits for."""
+    """What the loop waits for; ``late_ns`` is by how much the tick that was last waited for began late."""
+
+    late_ns: int | None
 
     def wait(self) -> int:
         """Return when the next tick is due, and how many ticks have come due: 1, more where the machine was late."""
@@ -95,6 +97,8 @@ class Pacer(Protocol):
 
 class Unpaced:
     """The pace of a lab that moves on only when it is told to."""
+
+    late_ns = None
 
     def wait(self) -> int:
         """Go on at once."""
@@ -114,24 +118,25 @@ class Beat:
     def __init__(self, clock: Clock, longest_s: float) -> None:
         self._clock = clock
         self._due_ns = -1
-        self._late_ns = np.zeros(round(longest_s / TICK_S) + 1, dtype=np.int64)
+        self.late_ns: int | None = None
+        self._lateness_ns = np.zeros(round(longest_s / TICK_S) + 1, dtype=np.int64)
         self._count = 0
 
     def wait(self) -> int:
         """Wait for the next deadline that has not passed entirely."""
         if self._due_ns < 0:
             self._due_ns = self._clock.now_ns()
-            self.first_ns = self._due_ns
         self._clock.wait_until(self._due_ns)
         late_ns = self._clock.now_ns() - self._due_ns
         missed = late_ns // TICK_NS
-        if self._count < len(self._late_ns):
-            self._late_ns[self._count] = late_ns
+        if self._count < len(self._lateness_ns):
+            self._lateness_ns[self._count] = late_ns
+        self.late_ns = late_ns
         self._count += 1
         self._due_ns += (1 + missed) * TICK_NS
         return 1 + missed
 
     @property
-    def late_ns(self) -> IntArray:
+    def lateness_ns(self) -> IntArray:
         """Lateness of every tick so far, ns."""
-        return self._late_ns[: self._count]
+        return self._lateness_ns[: self._count]

@@ -51,9 +51,12 @@ class Emulator:
         self._swapped_left = 0
         self.ticks = 0
 
-    def tick(self, now_ns: int) -> JointState:
-        """Let one tick of the world pass; ``now_ns`` is the time on the emulator's own clock."""
-        command = self._stall(self.program.command(now_ns), now_ns)
+    def tick(self, now_ns: int, *, behind: int = 0) -> JointState:
+        """Let one tick of the world pass; ``now_ns`` is the time on the emulator's own clock.
+
+        ``behind`` is how many more ticks have to follow at once, where the machine did not keep time.
+        """
+        command = self._stall(self.program.command(now_ns, behind=behind), now_ns)
         state = self._lab.exchange(command)
         self.program.report(state, now_ns)
         for frame in self._lab.take():

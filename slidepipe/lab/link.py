@@ -138,19 +138,3 @@ class LinkedArm:
 def _joints_in(size: int) -> str:
     return f": an arm of {size // 8} joints?" if size % 8 == 0 and size // 8 < wam.JOINT_COUNT else ""
 
-
-def farthest(now_rad: FloatArray, wanted_rad: FloatArray, allowed_rad: float) -> None:
-    """Refuse to jump.
-
-    Raises
-    ------
-    LabError
-        A joint is farther than allowed from where the first command would have it.
-    """
-    apart = np.abs(now_rad - wanted_rad)
-    joint = int(np.argmax(apart))
-    if not apart[joint] <= allowed_rad:
-        raise LabError(
-            f"arm: joint {joint + 1} is at {now_rad[joint]:.3f} rad and the first command at {wanted_rad[joint]:.3f}: "
-            f"a jump of {apart[joint]:.3f} rad is refused, {allowed_rad:g} is allowed"
-        )

@@ -28,13 +28,28 @@ class LoopSettings:
     ----------
     link_timeout_s : float
         How long to wait for the arm to follow.
+    jump_rad : float
+        How far a joint may be from the first command when the arm is let go.
     stop_s, hold_s : float
         How long a stop takes, and how long the arm is held after it.
     """
 
     link_timeout_s: float = 10.0
+    jump_rad: float = 0.05
     stop_s: float = 0.3
     hold_s: float = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Tick:
+    """A tick as a desk sees it: what was commanded a tick ago, what is measured now, and the frames so far."""
+
+    phase: Phase
+    done: float
+    commanded: JointCommand
+    state: JointState
+    late_ns: int
+    frames: int
 
 
 class Desk(Protocol):
@@ -48,8 +63,8 @@ class Desk(Protocol):
     def go(self) -> bool:
         """Whether the arm may leave the pose in which it was linked."""
 
-    def show(self, phase: Phase, done: float, sent: JointCommand, state: JointState, frames: int) -> None:
-        """Take note of a tick: phase, share of the course, what was sent a tick ago, and the frames so far."""
+    def show(self, tick: "Tick") -> None:
+        """Take note of a tick."""
 
 
 class Nobody:
@@ -58,7 +73,7 @@ class Nobody:
     stop_asked = False
     go = True
 
-    def show(self, phase: Phase, done: float, sent: JointCommand, state: JointState, frames: int) -> None:
+    def show(self, tick: "Tick") -> None:
         """Nothing to do."""
 
 
@@ -164,8 +179,10 @@ class _Loop:
 
     def _await_link(self, state: JointState) -> None:
         self._released = state.link.linked and self._lab.desk.go
-        if self._released and self._lab.guard is not None:
-            self._lab.guard.begin(state.stamp_ns)
+        if self._released:
+            refuse_jump(state.position_rad, self._course.position_rad[0], self._lab.settings.jump_rad)
+            if self._lab.guard is not None:
+                self._lab.guard.begin(state.stamp_ns)
         self._unlinked_left -= not state.link.linked
         if self._unlinked_left < 0:
             raise LabError(f"arm: it did not follow within {self._lab.settings.link_timeout_s:g} s: is it linked?")
@@ -205,6 +222,8 @@ class _Loop:
         self._ticks += 1
         state = lab.arm.exchange(command)
         lab.recorder.joints(command, state)
+        if lab.pacer.late_ns is not None:
+            lab.recorder.tick(state.stamp_ns, lab.pacer.late_ns)
         for frame in lab.cameras.take():
             self._frames += 1
             lab.recorder.frame(frame)
@@ -213,6 +232,23 @@ class _Loop:
         if self._last_ns:
             self._gap_ns = max(self._gap_ns, state.stamp_ns - self._last_ns)
         self._last_ns = state.stamp_ns
-        lab.desk.show(phase, done, self._sent, state, self._frames)
+        lab.desk.show(Tick(phase, done, self._sent, state, lab.pacer.late_ns or 0, self._frames))
         self._sent = command
         return state
+
+
+def refuse_jump(now_rad: FloatArray, wanted_rad: FloatArray, allowed_rad: float) -> None:
+    """Refuse to jump from where the arm is to where a command would have it.
+
+    Raises
+    ------
+    LabError
+        A joint is farther than allowed.
+    """
+    apart = np.abs(now_rad - wanted_rad)
+    joint = int(np.argmax(apart))
+    if not apart[joint] <= allowed_rad:
+        raise LabError(
+            f"arm: joint {joint + 1} is at {now_rad[joint]:.3f} rad and the first command at {wanted_rad[joint]:.3f}: "
+            f"a jump of {apart[joint]:.3f} rad is refused, {allowed_rad:g} is allowed"
+        )

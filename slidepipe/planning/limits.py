@@ -70,11 +70,11 @@ def check_grasp(motion: Motion, regrasp: Regrasp, half_size_m: FloatArray, limit
     share = np.max(np.abs(motion.r_b[:, :2]) / half_size_m, axis=1)
     used = "share of the friction used while sticking"
     return [
-        _worst(f"{used} before the slide", time_s[first], motion.load[first], limits.stick_load, "of 1"),
-        _worst(f"{used} after the slide", time_s[last], motion.load[last], limits.stick_load, "of 1"),
-        _worst("contact point from the middle of the face to its edge", time_s, share, 1.0, "of 1"),
-        _worst("hand from the middle of the workspace", time_s, from_centre, limits.workspace_radius_m, "m"),
-        _worst("hand speed", time_s, np.linalg.norm(motion.dq_f[:, :2], axis=1), limits.tip_speed_m_s, "m/s"),
+        worst(f"{used} before the slide", time_s[first], motion.load[first], limits.stick_load, "of 1"),
+        worst(f"{used} after the slide", time_s[last], motion.load[last], limits.stick_load, "of 1"),
+        worst("contact point from the middle of the face to its edge", time_s, share, 1.0, "of 1"),
+        worst("hand from the middle of the workspace", time_s, from_centre, limits.workspace_radius_m, "m"),
+        worst("hand speed", time_s, np.linalg.norm(motion.dq_f[:, :2], axis=1), limits.tip_speed_m_s, "m/s"),
     ]
 
 
@@ -90,15 +90,16 @@ def check_arm(path: JointPath, load: ArmLoad, limits: Limits) -> list[Check]:
         ("torque", np.abs(load.torque_n_m), limits.joint_torque_n_m, "N m"),
     ):
         checks += [
-            _worst(f"joint {joint + 1} {quantity}", path.time_s, values[:, joint], float(bounds[joint]), unit)
+            worst(f"joint {joint + 1} {quantity}", path.time_s, values[:, joint], float(bounds[joint]), unit)
             for joint in range(wam.JOINT_COUNT)
         ]
     return [
         *checks,
-        _worst("elbow speed", path.time_s, load.elbow_speed_m_s, limits.elbow_speed_m_s, "m/s"),
+        worst("elbow speed", path.time_s, load.elbow_speed_m_s, limits.elbow_speed_m_s, "m/s"),
     ]
 
 
-def _worst(name: str, time_s: FloatArray, values: FloatArray, bound: float, unit: str) -> Check:
+def worst(name: str, time_s: FloatArray, values: FloatArray, bound: float, unit: str) -> Check:
+    """Check a quantity over time (T,) at its largest."""
     index = int(np.argmax(values))
     return Check(name, float(values[index]), bound, unit, float(time_s[index]))
