@@ -11,16 +11,27 @@ from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
 
-from slidepipe.artifacts.manifest import ErrorNote, InputRef, Manifest, OutputRef, Result, RunState, Times
+from slidepipe.artifacts.disk import sync
+from slidepipe.artifacts.manifest import (
+    Code,
+    Environment,
+    ErrorNote,
+    InputRef,
+    Manifest,
+    OutputRef,
+    Result,
+    RunState,
+    Times,
+)
+from slidepipe.artifacts.owner import OWNER, OwnerDocument, write_owner
 from slidepipe.artifacts.provenance import code_state, environment, recipe_of, sha256_of
 from slidepipe.artifacts.run import MANIFEST, Run
 from slidepipe.artifacts.run_id import new_run_id
 from slidepipe.artifacts.schema import dump_model, parse
-from slidepipe.artifacts.strict_yaml import dump, loads
+from slidepipe.artifacts.strict_yaml import loads
 from slidepipe.errors import InputError, StoreError
 
 STAGING = ".tmp-"
-_OWNER = ".owner.yaml"
 _PATCH = "diff.patch"
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
@@ -78,10 +89,46 @@ class Draft:
     _results: list[Result] = field(default_factory=list)
     _made: list[Path] = field(default_factory=list)
     _run: Run | None = None
+    _code: Code | None = None
+    _environment: Environment | None = None
+    _ended: datetime | None = None
 
     def __post_init__(self) -> None:
         self.run_id = new_run_id(self.begun)
         self.recipe = self.request.recipe
+
+    @classmethod
+    def adopt(cls, runs: Path, owner: OwnerDocument, prepare: Callable[[], None]) -> "Draft":
+        """Take over the draft of a process that is gone, to publish it."""
+        request = Request(
+            stage=owner.stage,
+            stage_version=owner.stage_version,
+            experiment=owner.experiment,
+            parameters=owner.parameters,
+            inputs=owner.inputs,
+            seed=owner.seed,
+            command=owner.command,
+        )
+        draft = cls(runs, request, prepare, RunState.INTERRUPTED, owner.begun_at)
+        draft.run_id = owner.run
+        draft._roles.update(owner.roles)
+        draft._code, draft._environment = owner.code, owner.environment
+        return draft
+
+    def as_interrupted(self, reason: str) -> Run:
+        """The run as it would be published, where it still is."""
+        return Run(self.staging, self._manifest(self._interrupted(reason)))
+
+    def publish_interrupted(self, reason: str) -> Run:
+        """Publish what there is."""
+        self._publish(self._interrupted(reason))
+        return self.run
+
+    def _interrupted(self, reason: str) -> ErrorNote:
+        """Why it ended, and when: with its latest file."""
+        self.state = RunState.INTERRUPTED
+        self._ended = datetime.fromtimestamp(max(path.stat().st_mtime for path in self.staging.iterdir()), UTC)
+        return ErrorNote(type="Interrupted", message=reason)
 
     @property
     def final(self) -> Path:
@@ -112,6 +159,7 @@ class Draft:
         if role in self._roles.values() or name in self._roles:
             raise StoreError(f"run {self.run_id}: {role} and {name}: each role is for one file")
         self._roles[name] = role
+        self._write_owner()
         return path
 
     def report(self, name: str, value: float, *, std: float | None = None, unit: str) -> None:
@@ -121,9 +169,11 @@ class Draft:
         self._results.append(Result(name=name, value=float(value), std=None if std is None else float(std), unit=unit))
 
     def __enter__(self) -> "Draft":
+        self._code, self._environment = code_state().code, environment()
         self._make_staging()
-        owner = {"pid": os.getpid(), "host": platform.node(), "begun": _instant(self.begun)}
-        (self.staging / _OWNER).write_text(dump(owner), encoding="utf-8")
+        self._write_owner()
+        if code_state().patch:
+            (self.staging / _PATCH).write_bytes(code_state().patch)
         return self
 
     def __exit__(
@@ -159,27 +209,47 @@ class Draft:
         except OSError as error:
             raise StoreError(f"{self.staging}: cannot be made: {error.strerror}") from None
 
+    def _write_owner(self) -> None:
+        """Say who makes this run, and of what: should the process be killed, it can be published all the same."""
+        if not self.staging.is_dir() or self._code is None or self._environment is None:
+            return
+        asked = self.request
+        owner = OwnerDocument(
+            run=self.run_id,
+            pid=os.getpid(),
+            host=platform.node(),
+            begun=_instant(self.begun),
+            stage=asked.stage,
+            stage_version=asked.stage_version,
+            experiment=asked.experiment,
+            seed=asked.seed,
+            parameters=dict(asked.parameters),
+            inputs=tuple(asked.inputs),
+            command=tuple(asked.command),
+            roles=dict(self._roles),
+            code=self._code,
+            environment=self._environment,
+        )
+        write_owner(self.staging, owner)
+
     def _fail(self, error: BaseException) -> None:
         self.state = RunState.FAILED if isinstance(error, Exception) else RunState.INTERRUPTED
         self._publish(ErrorNote(type=type(error).__name__, message=str(error)))
 
     def _publish(self, note: ErrorNote | None) -> None:
-        patch = code_state().patch
-        if patch:
-            (self.staging / _PATCH).write_bytes(patch)
         text = dump_model(self._manifest(note))
         manifest = parse(Manifest, loads(text, str(self.final / MANIFEST)))
         self.prepare()
-        (self.staging / _OWNER).unlink()
+        (self.staging / OWNER).unlink()
         for path in self._files():
-            _sync(path)
+            sync(path)
         path = self.staging / MANIFEST
         path.write_text(text, encoding="utf-8")
-        _sync(path)
-        _sync(self.staging)
+        sync(path)
+        sync(self.staging)
         self.staging.rename(self.final)
         for directory in (self.final.parent, *(made.parent for made in self._made)):
-            _sync(directory)
+            sync(directory)
         self._run = Run(self.final, manifest)
 
     def _manifest(self, note: ErrorNote | None) -> Manifest:
@@ -190,7 +260,7 @@ class Draft:
             stage_version=asked.stage_version,
             experiment=asked.experiment,
             state=self.state,
-            times=Times(started=_instant(self.begun), finished=_instant(datetime.now(UTC))),
+            times=Times(started=_instant(self.begun), finished=_instant(self._ended or datetime.now(UTC))),
             recipe=self.recipe,
             seed=asked.seed,
             parameters=dict(asked.parameters),
@@ -198,8 +268,8 @@ class Draft:
             outputs=tuple(self._outputs()),
             results=tuple(self._results),
             error=note,
-            code=code_state().code,
-            environment=environment(),
+            code=self._code or code_state().code,
+            environment=self._environment or environment(),
             command=tuple(asked.command),
         )
 
@@ -207,7 +277,7 @@ class Draft:
         return next((name for name in self._roles if not (self.staging / name).is_file()), None)
 
     def _files(self) -> list[Path]:
-        return sorted(path for path in self.staging.iterdir() if path.is_file() and path.name != _OWNER)
+        return sorted(path for path in self.staging.iterdir() if path.is_file() and not path.name.startswith("."))
 
     def _outputs(self) -> Iterator[OutputRef]:
         """Files in the order in which they got their roles, then those that got none."""
@@ -222,12 +292,3 @@ class Draft:
 
 def _instant(when: datetime) -> str:
     return f"{when:%Y-%m-%dT%H:%M:%S.%fZ}"
-
-
-def _sync(path: Path) -> None:
-    """Wait until a file or directory is on the disk."""
-    handle = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)

@@ -21,6 +21,8 @@ from slidepipe.series import (
     JointSeries,
     MocapSeries,
     PoseSeries,
+    StreamStatistics,
+    TickSeries,
 )
 
 
@@ -118,6 +120,16 @@ class Recording:
             frames=self._frames(), hand=self.poses(topics.HAND), object=self.poses(topics.OBJECT), clock=self._clock()
         )
 
+    def ticks(self) -> TickSeries:
+        """Ticks of the loop."""
+        stamps, late = self._fields(topics.TICKS, messages.TICK)
+        return TickSeries(_whole(stamps), _whole(late))
+
+    def statistics(self) -> list[StreamStatistics]:
+        """Statistics of the streams, as often as they were recorded."""
+        columns = self._fields(topics.STATISTICS, messages.STATISTICS)
+        return [StreamStatistics(*row) for row in zip(*columns, strict=True)]
+
     def events(self, topic: str = topics.EVENTS) -> list[Event]:
         """What happened, in the order of the file."""
         column = self._of_kind(topic, messages.EVENT)
@@ -172,7 +184,7 @@ def read_recording(path: Path) -> Recording:
     NotFoundError
         There is no such file.
     """
-    data = _bytes_of(path)
+    data = bytes_of(path)
     if not data:
         raise InputError(f"{path}: is empty, an MCAP recording is needed")
     if not data.startswith(MAGIC):
@@ -183,7 +195,16 @@ def read_recording(path: Path) -> Recording:
     return Recording(path, found)
 
 
-def _bytes_of(path: Path) -> bytes:
+def bytes_of(path: Path) -> bytes:
+    """Bytes of a file that shall be a recording.
+
+    Raises
+    ------
+    NotFoundError
+        There is no such file.
+    InputError
+        It is a directory, or cannot be read.
+    """
     try:
         return path.read_bytes()
     except FileNotFoundError:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
+from slidepipe.artifacts.abandoned import Abandoned, find_abandoned
 from slidepipe.artifacts.draft import STAGING, Draft, Request
 from slidepipe.artifacts.manifest import InputRef, RunState
 from slidepipe.artifacts.run import MANIFEST, Run, one_of, read_run
@@ -93,6 +94,10 @@ class Store:
                 if directory.exists():  # else it was moved away meanwhile
                     faults.append(str(error))
         return Survey(tuple(sorted(runs, key=lambda run: (run.manifest.times.finished, run.id))), tuple(faults))
+
+    def abandoned(self) -> tuple[Abandoned, ...]:
+        """Find runs in the making whose process is gone."""
+        return find_abandoned(self._runs, self._write_layout)
 
     def runs(self, *, experiment: str | None = None, stage: str | None = None) -> list[Run]:
         """List the runs in the order in which they were finished.

@@ -28,10 +28,10 @@ def command(ctx: click.Context, *, experiment: str | None, stage: str | None, as
     from slidepipe.cli.views.runs import run_line, run_list
 
     session: Session = ctx.obj
-    survey = session.store().survey()
+    survey, abandoned = session.store().survey(), session.store().abandoned()
     runs = [
         run
-        for run in survey.runs
+        for run in (*survey.runs, *(one.as_run() for one in abandoned))
         if experiment in (None, run.manifest.experiment) and stage in (None, run.manifest.stage)
     ]
     if as_json:
@@ -40,8 +40,10 @@ def command(ctx: click.Context, *, experiment: str | None, stage: str | None, as
     elif runs:
         render.put(run_list(runs))
     else:
-        render.note(f"no runs in {session.data}" if not survey.runs else "no such runs")
+        render.note("no such runs" if survey.runs or abandoned else f"no runs in {session.data}")
     for fault in survey.faults:
         render.note(f"error: {fault}")
+    if abandoned:
+        render.note(f"{len(abandoned)} interrupted and not published: slidepipe recover")
     if survey.faults:
         ctx.exit(ExitCode.STORE)

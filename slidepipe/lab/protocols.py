@@ -5,7 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
-from slidepipe.series import FloatArray
+from slidepipe.series import FloatArray, StreamStatistics
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,3 +112,9 @@ class Recorder(Protocol):
 
     def event(self, stamp_ns: int, text: str) -> None:
         """Record that something happened."""
+
+    def tick(self, stamp_ns: int, late_ns: int) -> None:
+        """Record that a tick was due at ``stamp_ns``, and how late it began."""
+
+    def statistics(self, statistics: StreamStatistics) -> None:
+        """Record the statistics so far."""

@@ -7,7 +7,7 @@ from types import TracebackType
 
 from slidepipe.errors import LabError
 from slidepipe.lab.camera_clock import CameraClock
-from slidepipe.lab.host_clock import HostClock
+from slidepipe.lab.host_clock import TellsTime
 from slidepipe.lab.natnet import messages as m
 from slidepipe.lab.natnet.bodies import WatchedBody
 from slidepipe.lab.natnet.connection import Connection
@@ -60,7 +60,7 @@ class NatNetClient:
     Parameters
     ----------
     settings : NatNetSettings
-    clock : HostClock
+    clock : TellsTime
         The host's clock, the same that the rest of the lab uses.
 
     Raises
@@ -70,7 +70,7 @@ class NatNetClient:
         version is not spoken, or it does not know a body.
     """
 
-    def __init__(self, settings: NatNetSettings, clock: HostClock) -> None:
+    def __init__(self, settings: NatNetSettings, clock: TellsTime) -> None:
         self._settings, self._clock = settings, clock
         self._wire = Connection(settings, clock)
         self._info: m.ServerInfo | None = None

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from slidepipe.errors import LabError, PacketError
-from slidepipe.lab.host_clock import HostClock
+from slidepipe.lab.host_clock import TellsTime
 from slidepipe.lab.natnet.codec import Message, decode, encode
 from slidepipe.lab.natnet.datagrams import Address, DatagramSocket
 from slidepipe.lab.natnet.settings import NatNetSettings, Transport
@@ -31,7 +31,7 @@ class Connection:
     Parameters
     ----------
     settings : NatNetSettings
-    clock : HostClock
+    clock : TellsTime
 
     Raises
     ------
@@ -39,7 +39,7 @@ class Connection:
         The address is not this machine's, or the port is taken.
     """
 
-    def __init__(self, settings: NatNetSettings, clock: HostClock) -> None:
+    def __init__(self, settings: NatNetSettings, clock: TellsTime) -> None:
         self.server = Address(settings.server, settings.command_port)
         self.version = NEWEST
         self.malformed = self.foreign = 0
@@ -96,7 +96,7 @@ class Connection:
         self._sockets = []
 
 
-def _data_socket(settings: NatNetSettings, clock: HostClock) -> DatagramSocket:
+def _data_socket(settings: NatNetSettings, clock: TellsTime) -> DatagramSocket:
     """Where frames arrive: servers differ in whether unicast ones come here or to the port that asked."""
     if settings.transport is Transport.MULTICAST:
         return DatagramSocket.of_group(Address(settings.group, settings.data_port), settings.interface, clock)

@@ -3,14 +3,16 @@
 import errno
 import socket
 import struct
+import time
 from dataclasses import dataclass
 
 from slidepipe.errors import LabError
-from slidepipe.lab.host_clock import HostClock
+from slidepipe.lab.host_clock import TellsTime
 
 RECEIVE_BYTES = 1 << 20
 """Asked for as the kernel's buffer, so that a loop that is late loses nothing."""
 _LARGEST = 65_536
+_LONGEST_AGE_NS = 1_000_000_000
 _SO_TIMESTAMPNS = 35
 _IP_MULTICAST_ALL = 49
 """Linux's numbers; Python does not name them."""
@@ -46,7 +48,7 @@ class DatagramSocket:
     ----------
     address : Address
         Interface and port, 0 for any port.
-    clock : HostClock
+    clock : TellsTime
     shared : bool
         Whether others may listen on the same port.
 
@@ -56,7 +58,7 @@ class DatagramSocket:
         The address is not this machine's, or the port is taken.
     """
 
-    def __init__(self, address: Address, clock: HostClock, *, shared: bool = False) -> None:
+    def __init__(self, address: Address, clock: TellsTime, *, shared: bool = False) -> None:
         self._clock, self._buffer = clock, bytearray(_LARGEST)
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
@@ -71,7 +73,7 @@ class DatagramSocket:
             raise LabError(f"{address}: cannot listen there: {error.strerror or error}") from None
 
     @classmethod
-    def of_group(cls, group: Address, interface: str, clock: HostClock) -> "DatagramSocket":
+    def of_group(cls, group: Address, interface: str, clock: TellsTime) -> "DatagramSocket":
         """Listen to a multicast group on one interface; what comes for other groups does not arrive."""
         one = cls(group, clock, shared=True)
         try:
@@ -135,5 +137,7 @@ class DatagramSocket:
         for level, kind, data in ancillary:
             if level == socket.SOL_SOCKET and kind == _SO_TIMESTAMPNS and len(data) == _TIMESPEC.size:
                 seconds, nanoseconds = _TIMESPEC.unpack(data)
-                return self._clock.at_wall_ns(10**9 * seconds + nanoseconds)
+                age_ns = time.time_ns() - (10**9 * seconds + nanoseconds)
+                # The kernel stamps by the wall clock, which may have been set meanwhile.
+                return self._clock.now_ns() - (age_ns if 0 <= age_ns < _LONGEST_AGE_NS else 0)
         return self._clock.now_ns()
