@@ -115,9 +115,9 @@ class StopSetup(Record):
 
 
 class Pauses(Record):
-    """How long the arm rests on either side of the motion, and holds at home in the end."""
+    """How long the arm rests on either side of the motion, half a second at least, and holds at home in the end."""
 
-    rest_s: Annotated[float, Field(ge=0.1, le=60.0)]
+    rest_s: Annotated[float, Field(ge=0.5, le=60.0)]
     hold_s: NotNegative
 
 

@@ -44,6 +44,14 @@ all_limits: Callable[[Callback], Callback] = click.option(
 )
 
 
+lab: Callable[[Callback], Callback] = click.option(
+    "--lab",
+    metavar="NAME",
+    help="A lab file, or its name in experiments/labs.  [default: the simulated lab in virtual time]",
+)
+yes: Callable[[Callback], Callback] = click.option("--yes", is_flag=True, help="Move a real arm without asking.")
+
+
 def overrides(example: str) -> Callable[[Callback], Callback]:
     """Make the option that sets keys of the experiment."""
     option: Callable[[Callback], Callback] = click.option(

@@ -9,6 +9,7 @@ import click
 from slidepipe.cli import options, render
 from slidepipe.cli.exits import MEANINGS, ExitCode
 from slidepipe.cli.session import Report, Session, plain
+from slidepipe.cli.watching import watched
 
 
 @options.verb(
@@ -27,6 +28,8 @@ from slidepipe.cli.session import Report, Session, plain
 @click.option("--trials", type=click.IntRange(min=1), help="At most so many.  [default: as the experiment says]")
 @options.overrides("--set lab.seed=7")
 @options.friction
+@options.lab
+@options.yes
 @options.as_json
 @click.pass_context
 def command(
@@ -36,6 +39,8 @@ def command(
     trials: int | None,
     overrides: tuple[str, ...],
     friction: str | None,
+    lab: str | None,
+    yes: bool,
     as_json: bool,
 ) -> None:
     """Go round the loop, and show every trial."""
@@ -43,16 +48,18 @@ def command(
     from slidepipe.stages.campaign import CampaignRequest, run
 
     session: Session = ctx.obj
-    request = CampaignRequest(
-        experiment=experiment,
-        store=session.store(),
-        overrides=overrides,
-        trials=trials,
-        friction=friction,
-        command=session.command,
-        report=render.note,
-    )
-    result = run(request)
+    with watched(lab, yes=yes, beside=experiment.parent) as real:
+        request = CampaignRequest(
+            experiment=experiment,
+            store=session.store(),
+            overrides=overrides,
+            trials=trials,
+            friction=friction,
+            command=session.command,
+            report=render.note,
+            lab=real,
+        )
+        result = run(request)
     report = Report("slidepipe.run_result/1", result.run, {"document": plain(result.document)})
     report.put(campaign_view(result.document, result.run), as_json=as_json)
     if not result.document.converged:

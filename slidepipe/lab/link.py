@@ -69,6 +69,16 @@ class LinkedArm:
             self._clock.wait_until(self._clock.now_ns() + TICK_NS)
         raise LabError(self._silence(timeout_s))
 
+    def listen(self) -> JointState:
+        """Take what has arrived and return the latest; nothing is sent."""
+        self._drain()
+        return self._state()
+
+    def listen_anew(self) -> None:
+        """Take what has arrived, and count from now on: what came before nobody was there to take."""
+        self._drain()
+        self.counts = LinkCounts()
+
     def prepare(self, commands: Iterable[JointCommand]) -> None:
         """Encode commands before they are needed; they must live as long as the arm does."""
         self._bodies = {id(command): self._codec.body(command) for command in commands}

@@ -18,6 +18,8 @@ MOTION_STARTS = "motion starts"
 MOTION_ENDS = "motion ends"
 STOPPED = "stopped: "
 """How the event begins that tells of a stop."""
+INVALID = "invalid: "
+"""How the event begins that tells why a trial is not to be estimated."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -229,7 +231,7 @@ class _Loop:
             lab.recorder.frame(frame)
             if lab.guard is not None:
                 lab.guard.frame(frame, state.stamp_ns)
-        if self._last_ns:
+        if self._released:
             self._gap_ns = max(self._gap_ns, state.stamp_ns - self._last_ns)
         self._last_ns = state.stamp_ns
         lab.desk.show(Tick(phase, done, self._sent, state, lab.pacer.late_ns or 0, self._frames))

@@ -7,14 +7,16 @@ from pathlib import Path
 from slidepipe.artifacts.campaign import CampaignDocument, CampaignRow, CampaignRuns
 from slidepipe.artifacts.draft import Draft
 from slidepipe.artifacts.experiment import Experiment, load_experiment
-from slidepipe.artifacts.manifest import InputRef
+from slidepipe.artifacts.manifest import InputRef, RunState
 from slidepipe.artifacts.run import Run, outside_input
 from slidepipe.artifacts.schema import dump_model
 from slidepipe.artifacts.store import Store
-from slidepipe.errors import RefusedError
+from slidepipe.errors import LabError, RefusedError
 from slidepipe.stages import estimate, execute, iterate, plan
 from slidepipe.stages.pictures import TrialRuns, draw_pictures
+from slidepipe.stages.on_lab import RealLab
 from slidepipe.stages.plan_files import EXPERIMENT, PLAN
+from slidepipe.stages.trial_files import TRIAL
 
 STAGE, STAGE_VERSION = "run", 1
 CAMPAIGN, TRACKING, SLIDING = "campaign", "tracking", "sliding"
@@ -23,7 +25,10 @@ CAMPAIGN, TRACKING, SLIDING = "campaign", "tracking", "sliding"
 
 @dataclass(frozen=True, slots=True)
 class CampaignRequest:
-    """Which experiment to run; ``trials`` and ``friction`` stand over its own; ``report`` is told of every stage."""
+    """Which experiment to run; ``trials`` and ``friction`` stand over its own; ``report`` is told of every stage.
+
+    ``lab`` is a lab over the network; the simulated one in virtual time unless given.
+    """
 
     experiment: Path
     store: Store
@@ -32,6 +37,7 @@ class CampaignRequest:
     trials: int | None = None
     friction: str | None = None
     command: tuple[str, ...] = ()
+    lab: RealLab | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +89,7 @@ def run(request: CampaignRequest) -> CampaignResult:
         experiment=experiment.name,
         parameters=experiment.model_dump(mode="json"),
         inputs=_inputs(request, outcome),
-        seed=experiment.lab.seed,
+        seed=experiment.lab.seed if request.lab is None else None,
         command=request.command,
     )
     with draft:
@@ -97,7 +103,12 @@ def _loop(request: CampaignRequest, experiment: Experiment, first: plan.PlanResu
     planned: plan.PlanResult | iterate.IterateResult = first
     limit = request.trials or experiment.iteration.max_trials
     while True:
-        trials.append(_run_trial(request, planned, len(trials) + 1))
+        try:
+            trials.append(_run_trial(request, planned, len(trials) + 1))
+        except (RefusedError, LabError) as failure:
+            if not trials:
+                raise
+            return _Outcome(tuple(trials), converged=False, stopped_because=str(failure).replace("\n", "; "))
         told = trials[-1].estimate
         if told.document.lost is not None:
             return _Outcome(tuple(trials), converged=False, stopped_because=told.document.lost)
@@ -120,11 +131,31 @@ def _loop(request: CampaignRequest, experiment: Experiment, first: plan.PlanResu
 def _run_trial(request: CampaignRequest, planned: plan.PlanResult | iterate.IterateResult, number: int) -> _Trial:
     if planned.run is None:
         raise RefusedError("run: there is nothing left to plan")
-    done = execute.run(execute.ExecuteRequest(planned.run.id, request.store, command=request.command))
+    done = execute.run(execute.ExecuteRequest(planned.run.id, request.store, command=request.command, lab=request.lab))
     request.report(f"trial {number}: executed {done.run.id}: {done.document.outcome}")
+    refuse_unfinished(done)
     told = estimate.run(estimate.EstimateRequest(done.run.id, request.store, command=request.command))
     request.report(f"trial {number}: estimated {told.run.id}")
     return _Trial(planned, done, told)
+
+
+def refuse_unfinished(done: execute.ExecuteResult) -> None:
+    """Refuse to go on from a trial that tells nothing of the slide.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        A person stopped the arm.
+    LabError
+        It was stopped for another reason, or the stream did not keep time.
+    """
+    trial, state = done.document, done.run.manifest.state
+    if state is RunState.INTERRUPTED:
+        raise KeyboardInterrupt
+    if state is RunState.STOPPED:
+        raise LabError(f"trial {done.run.id} was stopped: {trial.stopped}")
+    if trial.invalid is not None:
+        raise LabError(f"trial {done.run.id} is invalid: {trial.invalid}")
 
 
 def _inputs(request: CampaignRequest, outcome: _Outcome) -> tuple[InputRef, ...]:
@@ -132,7 +163,7 @@ def _inputs(request: CampaignRequest, outcome: _Outcome) -> tuple[InputRef, ...]
     for trial in outcome.trials:
         inputs += [
             trial.runs.plan.input(PLAN),
-            trial.runs.execute.input(execute.TRIAL),
+            trial.runs.execute.input(TRIAL),
             trial.runs.estimate.input(estimate.ESTIMATE),
         ]
     return tuple(inputs)

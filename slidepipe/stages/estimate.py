@@ -25,8 +25,9 @@ from slidepipe.estimation.request import EstimationRequest
 from slidepipe.estimation.rest import RestPose
 from slidepipe.estimation.smoothing import SmoothedSeries
 from slidepipe.lab.loop import MOTION_ENDS, MOTION_STARTS
-from slidepipe.stages.execute import RECORDING
+from slidepipe.stages.sound import around_motion, refuse_unsound
 from slidepipe.stages.translate import block, motion_plane
+from slidepipe.stages.trial_files import RECORDING
 
 STAGE, STAGE_VERSION = "estimate", 1
 ESTIMATE, SMOOTHED = "estimate", "smoothed"
@@ -100,9 +101,10 @@ def estimate_recording(path: Path) -> RecordedEstimate:
     recording = read_recording(path)
     experiment = parse(Experiment, loads(_text(recording, "experiment.yaml"), f"{path}: experiment.yaml"))
     plan = parse(PlanDocument, loads(_text(recording, "plan.yaml"), f"{path}: plan.yaml"))
+    refuse_unsound(recording)
     start_ns, stop_ns = (_stamp(recording, message) for message in (MOTION_STARTS, MOTION_ENDS))
     request = EstimationRequest(
-        mocap=recording.mocap(),
+        mocap=around_motion(recording.mocap(), start_ns, stop_ns),
         plane=motion_plane(experiment),
         block=block(experiment),
         normal_force_n=experiment.grasp.normal_force_n,

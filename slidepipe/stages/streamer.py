@@ -16,13 +16,13 @@ from typing import Any
 
 import numpy as np
 
-from slidepipe.errors import LabError, SlidepipeError
+from slidepipe.errors import LabError, RefusedError, SlidepipeError
 from slidepipe.lab.approach import there_and_back
 from slidepipe.lab.clock import TICK_NS, Beat, RealClock
 from slidepipe.lab.course import Course
 from slidepipe.lab.desk import Progress, StreamDesk, WatchDesk, shared_words
 from slidepipe.lab.link import LinkCounts, LinkedArm
-from slidepipe.lab.loop import Execution, Lab, run
+from slidepipe.lab.loop import INVALID, Execution, Lab, run
 from slidepipe.lab.natnet.client import ClientCounts, NatNetClient
 from slidepipe.lab.protocols import MocapFrame
 from slidepipe.lab.realtime import realtime
@@ -36,8 +36,6 @@ from slidepipe.tick import TICK_S
 
 GAP_SHARE = 0.8
 """A gap of more than this share of the driver's time-out makes a trial invalid."""
-INVALID = "invalid: "
-"""How the event begins that tells why a trial is not to be estimated."""
 MARGIN_S = 30.0
 """How much longer than its course a streamer may take before it is given up."""
 LOOK_S = 0.1
@@ -127,8 +125,8 @@ def stream(job: StreamJob, watch: Watch) -> StreamOutcome:
     ------
     LabError
         The arm or the cameras do not answer, do not see what they should, or the streamer failed.
-    KeyboardInterrupt
-        A person did not want the arm to move, before it did.
+    RefusedError
+        A person did not want the arm to move.
     """
     context = get_context("spawn")
     words, (ours, theirs) = shared_words(context), context.Pipe()
@@ -151,7 +149,7 @@ def _attend(pipe: Connection, desk: WatchDesk, watch: Watch) -> StreamOutcome:
     if not isinstance(found, Readiness):
         raise LabError(f"streamer: unexpected word {found!r}")
     if not watch.confirm(found):
-        raise KeyboardInterrupt
+        raise RefusedError("execute: nobody wanted the arm to move, and it did not")
     pipe.send(True)
     patience_s = found.course_s + MARGIN_S
     try:
@@ -219,7 +217,7 @@ def _stream(job: StreamJob, desk: StreamDesk, pipe: Connection) -> StreamOutcome
         _refuse_leaving_limits(course, lab)
         approach = sum(phase.value == "approach" for phase in course.phases)
         pipe.send(Readiness(measured.position_rad, len(course) * TICK_S, approach * TICK_S, codec.tells_linked))
-        _await_leave(pipe, cameras, desk)
+        _await_leave(pipe, arm, cameras, desk)
         return _run(job, course, arm, cameras, desk=desk, clock=clock)
 
 
@@ -233,6 +231,7 @@ def _run(
     with RecordingProcess(recording) as recorder:
         there = Lab(arm, cameras, recorder.recorder, beat, Guard(lab.safety), desk, lab.loop)
         cameras.take()
+        arm.listen_anew()
         with realtime() as refused:
             execution = run(course, there)
         invalid = _why_invalid(execution, lab, recorder.lost)
@@ -273,10 +272,11 @@ def _missing(frame: MocapFrame, reach_m: float) -> str:
     return ""
 
 
-def _await_leave(pipe: Connection, cameras: NatNetClient, desk: StreamDesk) -> None:
-    """Wait for a person's leave, and keep the cameras' stream alive meanwhile."""
+def _await_leave(pipe: Connection, arm: LinkedArm, cameras: NatNetClient, desk: StreamDesk) -> None:
+    """Wait for a person's leave, and keep up with both streams meanwhile."""
     while not pipe.poll(LOOK_S):
         cameras.take()
+        arm.listen_anew()
         if desk.stop_asked:
             raise LabError("arm: nobody gave leave to move it")
     pipe.recv()

@@ -110,7 +110,7 @@ CAMPAIGN = CampaignDocument(
 @pytest.mark.parametrize("document", [PLAN, TRIAL, TRUTH, ESTIMATE, CAMPAIGN], ids=lambda one: one.SCHEMA)
 def test_documents_come_back_equal(document):
     text = dump_model(document)
-    assert text.startswith(f"schema: {document.SCHEMA}/1\n")
+    assert text.startswith(f"schema: {document.SCHEMA}/{document.VERSION}\n")
     assert parse(type(document), loads(text, "a.yaml")) == document
 
 
