@@ -34,7 +34,9 @@ check: $(DEV)  ## lint, types and layers
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: $(STAMP)  ## measure speed and accuracy against scipy and MuJoCo
+bench: $(STAMP)  ## measure speed and accuracy against scipy, MuJoCo and cyclictest
+	@command -v cyclictest >/dev/null || apt-get install --yes --quiet rt-tests >/dev/null 2>&1 \
+	  || echo "bench: cyclictest is missing and cannot be installed here: apt-get install rt-tests"
 	for benchmark in benchmarks/*.py; do echo "== $$benchmark"; $(BIN)/python $$benchmark || exit 1; done
 
 recorded: $(STAMP)  ## record the trials under data/recorded again

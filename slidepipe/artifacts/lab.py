@@ -148,7 +148,9 @@ class LabDocument(Artifact):
         for path in (("cameras", "frame"), ("cameras", "hand", "offset"), ("cameras", "object", "offset")):
             yield from self._turned(path)
         if self.timeouts.arm_s > self.arm.driver_timeout_s * 10:
-            yield Fault(("timeouts", "arm_s"), "must be at most ten times arm.driver_timeout_s: the arm is limp by then")
+            yield Fault(
+                ("timeouts", "arm_s"), "must be at most ten times arm.driver_timeout_s: the arm is limp by then"
+            )
 
     def _turned(self, path: tuple[str, ...]) -> Iterator[Fault]:
         pose: object = self

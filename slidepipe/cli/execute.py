@@ -56,9 +56,7 @@ def command(
         overrides += (f"lab.seed={seed}",)
     with watched(lab, yes=yes) as real:
         result = run(
-            ExecuteRequest(
-                plan=plan_run, store=session.store(), overrides=overrides, command=session.command, lab=real
-            )
+            ExecuteRequest(plan=plan_run, store=session.store(), overrides=overrides, command=session.command, lab=real)
         )
     documents = {"document": plain(result.document), "truth": plain(result.truth)}
     report = Report("slidepipe.execute_result/1", result.run, documents)

@@ -13,7 +13,9 @@ from slidepipe.cli import options, render
 from slidepipe.cli.exits import ExitCode
 from slidepipe.cli.session import Report
 
-BOTH = "\b\nExample:\n  slidepipe lab check loopback\n\nSee `slidepipe lab check --help` and `slidepipe lab serve --help`."
+BOTH = (
+    "\b\nExample:\n  slidepipe lab check loopback\n\nSee `slidepipe lab check --help` and `slidepipe lab serve --help`."
+)
 
 
 @click.group("lab", short_help="Look at a laboratory, or play one.", epilog=BOTH)
@@ -57,7 +59,9 @@ def check(ctx: click.Context, *, name: str, as_json: bool) -> None:
 )
 @click.argument("experiment", metavar="EXPERIMENT.yaml", type=click.Path(path_type=Path))
 @click.option("--lab", metavar="NAME", required=True, help="A lab file, or its name in labs beside the experiment.")
-@click.option("--fault", "faults", metavar="FAULT", multiple=True, help="What shall go wrong; may be given several times.")
+@click.option(
+    "--fault", "faults", metavar="FAULT", multiple=True, help="What shall go wrong; may be given several times."
+)
 @click.option("--for", "duration_s", metavar="SECONDS", type=click.FloatRange(min=0.1), help="End after so long.")
 @options.overrides("--set lab.friction=0.45; only keys of lab")
 @options.as_json

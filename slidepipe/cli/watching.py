@@ -1,7 +1,6 @@
 """The person before a real arm: asked before it moves, and shown how it goes meanwhile."""
 
 import sys
-from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,6 +10,8 @@ import click
 from slidepipe.cli import render
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from slidepipe.lab.desk import Progress
     from slidepipe.stages.on_lab import Question, RealLab
     from slidepipe.stages.streamer import Readiness
@@ -49,7 +50,9 @@ class _Person:
 
     def confirm(self, question: "Question") -> bool:
         found = question.found
-        render.note(f"lab {question.lab.name}: {found.course_s:.1f} s in all, {found.approach_s:.1f} s to the start pose")
+        render.note(
+            f"lab {question.lab.name}: {found.course_s:.1f} s in all, {found.approach_s:.1f} s to the start pose"
+        )
         for check in _worth_showing(question):
             render.note(f"  {check}")
         return self._yes or click.confirm("Move the arm?", err=True)
@@ -82,13 +85,16 @@ class _Bar:
 
     def __init__(self) -> None:
         from rich.console import Console  # noqa: PLC0415  # help must not wait for rich
-        from rich.progress import BarColumn, TextColumn
-        from rich.progress import Progress as RichProgress
+        from rich.progress import BarColumn, TextColumn  # noqa: PLC0415
+        from rich.progress import Progress as RichProgress  # noqa: PLC0415
 
         self._progress = RichProgress(
             TextColumn("{task.description:<9}"),
             BarColumn(bar_width=24),
-            TextColumn("{task.fields[error]:5.1f} mrad off  {task.fields[late]:6.0f} us late  {task.fields[rate]:3.0f} frames/s"),
+            TextColumn(
+                "{task.fields[error]:5.1f} mrad off  {task.fields[late]:6.0f} us late  "
+                "{task.fields[rate]:3.0f} frames/s"
+            ),
             console=Console(file=sys.stderr),
             transient=True,
         )

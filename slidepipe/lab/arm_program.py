@@ -5,8 +5,8 @@ from enum import Enum
 import numpy as np
 
 from slidepipe.arm import wam
-from slidepipe.lab.clock import TICK_NS
 from slidepipe.lab.faults import Channel, FaultClock
+from slidepipe.lab.playout import InTurn, LastWins, Playout
 from slidepipe.lab.protocols import JointCommand, JointState
 from slidepipe.lab.transport import Transport
 from slidepipe.lab.wam_codec import ArmReport, Order, Stamp, WamCodec
@@ -21,7 +21,6 @@ LINK_TICKS = 100
 """for so many ticks,"""
 PERSON_NS = 1_000_000_000
 """and an arm that has lost its link only after a silence of a second: the program itself never links again."""
-STRAY = 2**31
 MOST_AT_ONCE = 64
 
 
@@ -64,7 +63,8 @@ class ArmProgram:
         self._measured = JointState(0, self._reference.position_rad, still, still)
         self._silent_since_ns = self._heard_ns = -PERSON_NS
         self._missed = self._near = self._sent = self._lost_ns = 0
-        self._last_sequence: int | None = None
+        self._answers: int | None = None
+        self._playout: Playout = InTurn() if codec.carries_torque else LastWins()
         self.mode = ArmMode.HOLDING
         self.links = self.lost_links = 0
 
@@ -73,14 +73,16 @@ class ArmProgram:
 
         A program that is ``behind`` by some ticks, for its machine was, takes one datagram for each of those.
         """
-        order = self._latest(now_ns, 1 if behind else MOST_AT_ONCE)
+        heard = self._receive(now_ns, 1 if behind else MOST_AT_ONCE)
+        self._missed = 0 if heard else self._missed + 1
+        if self.mode is ArmMode.LINKED and self._missed >= MISSED_TICKS:
+            self.mode, self._lost_ns = ArmMode.LIMP, self._heard_ns
+            self.lost_links += 1
+        order = self._playout.take()
         if order is not None:
-            self._missed = 0
             self._consider_linking(order, now_ns)
-            if self.mode is ArmMode.LINKED:
-                self._take(order)
-        else:
-            self._miss()
+        if self.mode is ArmMode.LINKED:
+            self._reference = self._go_on() if order is None else self._followed(order)
         if self.mode is ArmMode.LIMP:
             still = np.zeros(wam.JOINT_COUNT)
             self._reference = JointCommand(self._measured.position_rad, self._measured.velocity_rad_s, still)
@@ -95,38 +97,32 @@ class ArmProgram:
             state.effort_n_m,
             linked=self.mode is ArmMode.LINKED,
             stamp=Stamp(self._sent % 2**32, state.stamp_ns),
-            answers=self._last_sequence,
+            answers=self._answers,
         )
         self._sent += 1
         self._out.put(self._codec.encode_report(report), now_ns)
         for packet in self._out.take(now_ns):
             self._transport.send(packet)
 
-    def _latest(self, now_ns: int, most: int) -> Order | None:
-        """Take the last datagram of this tick; where they are numbered, none that is older than the last one."""
+    def _receive(self, now_ns: int, most: int) -> bool:
+        """Take datagrams; tells whether there was a command among them."""
+        heard = False
         for _ in range(most):
             packet = self._transport.receive()
             if packet is None:
                 break
             self._in.put(packet, now_ns)
-        latest = None
         for packet in self._in.take(now_ns):
             order = self._codec.decode_command(packet)
-            if order is None or self._is_old(order):
+            if order is None:
                 continue
-            latest = order
-            if order.stamp is not None:
-                self._last_sequence = order.stamp.sequence
-        if latest is not None:
             if now_ns - self._heard_ns > PERSON_NS:
                 self._silent_since_ns = self._heard_ns
             self._heard_ns = now_ns
-        return latest
-
-    def _is_old(self, order: Order) -> bool:
-        if order.stamp is None or self._last_sequence is None or order.stamp.sequence == 0:
-            return False
-        return (order.stamp.sequence - self._last_sequence) % 2**32 >= STRAY
+            self._playout.put(order)
+            self._answers = None if order.stamp is None else order.stamp.sequence
+            heard = True
+        return heard
 
     def _consider_linking(self, order: Order, now_ns: int) -> None:
         if self.mode is ArmMode.LINKED or (self.mode is ArmMode.LIMP and not self._stream_is_new):
@@ -144,22 +140,17 @@ class ArmProgram:
         """Whether a silence lay between losing the link and what comes now."""
         return self._silent_since_ns >= self._lost_ns
 
-    def _take(self, order: Order) -> None:
+    def _followed(self, order: Order) -> JointCommand:
         """Make an order the reference; the vendor's control differentiates angles where it gets no speeds."""
         command = order.command
         if np.isnan(command.velocity_rad_s).any():
             speed = (command.position_rad - self._reference.position_rad) / TICK_S
             command = JointCommand(command.position_rad, speed, command.feedforward_n_m)
-        self._reference = command
+        return command
 
-    def _miss(self) -> None:
-        """Hold the last reference; after ten ticks without one, let go."""
-        self._missed += 1
-        if self.mode is not ArmMode.LINKED:
-            return
-        if self._missed >= MISSED_TICKS:
-            self.mode = ArmMode.LIMP
-            self.lost_links += 1
-            self._lost_ns = self._heard_ns + self._missed * TICK_NS
-        elif not self._codec.carries_torque:
-            self._reference = self._reference.held()
+    def _go_on(self) -> JointCommand:
+        """Do without a command: the bridge goes on as before, the others stay where they were told to be last."""
+        last = self._reference
+        if not self._codec.carries_torque:
+            return last.held()
+        return JointCommand(last.position_rad + TICK_S * last.velocity_rad_s, last.velocity_rad_s, last.feedforward_n_m)

@@ -98,7 +98,7 @@ class Pacer(Protocol):
 class Unpaced:
     """The pace of a lab that moves on only when it is told to."""
 
-    late_ns = None
+    late_ns: int | None = None
 
     def wait(self) -> int:
         """Go on at once."""
@@ -112,18 +112,26 @@ class Beat:
     ----------
     clock : Clock
     longest_s : float
-        Room that is made beforehand for so much lateness; what comes after is counted, and not kept.
+        Room that is made beforehand for the lateness of so many ticks; that of later ones is not kept.
+
+    Attributes
+    ----------
+    tick : int
+        Number of the tick that was waited for last, from 0; those that were left out count.
+    late_ns : int
+        By how much it began late.
     """
 
     def __init__(self, clock: Clock, longest_s: float) -> None:
         self._clock = clock
         self._due_ns = -1
         self.late_ns: int | None = None
+        self.tick = -1
         self._lateness_ns = np.zeros(round(longest_s / TICK_S) + 1, dtype=np.int64)
         self._count = 0
 
     def wait(self) -> int:
-        """Wait for the next deadline that has not passed entirely."""
+        """Wait for the next deadline; where more have passed entirely meanwhile, those are left out."""
         if self._due_ns < 0:
             self._due_ns = self._clock.now_ns()
         self._clock.wait_until(self._due_ns)
@@ -134,9 +142,10 @@ class Beat:
         self.late_ns = late_ns
         self._count += 1
         self._due_ns += (1 + missed) * TICK_NS
+        self.tick += 1 + missed
         return 1 + missed
 
     @property
     def lateness_ns(self) -> IntArray:
         """Lateness of every tick so far, ns."""
-        return self._lateness_ns[: self._count]
+        return self._lateness_ns[: min(self._count, len(self._lateness_ns))]

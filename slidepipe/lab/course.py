@@ -74,9 +74,7 @@ class Course:
             raise InputError(f"course: needs one row a tick, got {[len(c) for c in columns]} for {len(self.phases)}")
         if not all(np.isfinite(column).all() for column in columns):
             raise InputError("course: every angle, speed and torque must be finite")
-        object.__setattr__(
-            self, "commands", tuple(JointCommand(*row) for row in zip(*columns, strict=True))
-        )
+        object.__setattr__(self, "commands", tuple(JointCommand(*row) for row in zip(*columns, strict=True)))
 
     def __len__(self) -> int:
         return len(self.phases)

@@ -1,4 +1,4 @@
-"""What can go wrong in a laboratory, on request: the emulator does it at a time and with a strength that is asked for."""
+"""What can go wrong in a laboratory, on request: the emulator does it at a time and strength that are asked for."""
 
 import heapq
 from collections.abc import Sequence
@@ -83,7 +83,7 @@ class Fault:
         >>> Fault.parse("loss=0.1@2")
         Fault(kind=<FaultKind.LOSS: 'loss'>, strength=0.1, start_s=2.0)
         """
-        name, equals, rest = text.partition("=")
+        name, _, rest = text.partition("=")
         strength, _, start = rest.partition("@")
         kinds = {kind.value: kind for kind in FaultKind}
         try:

@@ -7,11 +7,10 @@ import numpy as np
 
 from slidepipe.arm import wam
 from slidepipe.errors import LabError
-from slidepipe.lab.clock import TICK_NS, Clock
+from slidepipe.lab.clock import TICK_NS, Beat, Clock
 from slidepipe.lab.protocols import JointCommand, JointState, Link
 from slidepipe.lab.transport import Transport
 from slidepipe.lab.wam_codec import ArmReport, Stamp, WamCodec
-from slidepipe.series import FloatArray
 from slidepipe.tick import TICK_S
 
 SEQUENCES = 2**32
@@ -40,15 +39,25 @@ class LinkedArm:
         Where the dialect does not tell whether the arm follows: how long after the first command it is taken to.
     gripper_n : float
         Force for the gripper, where the dialect has a word for it.
+    beat : Beat, optional
+        Whose ticks number the commands, so that the arm's program can follow each in its turn.
     """
 
     def __init__(
-        self, transport: Transport, codec: WamCodec, clock: Clock, *, link_wait_s: float = 0.0, gripper_n: float = 0.0
+        self,
+        transport: Transport,
+        codec: WamCodec,
+        clock: Clock,
+        *,
+        link_wait_s: float = 0.0,
+        gripper_n: float = 0.0,
+        beat: Beat | None = None,
     ) -> None:
-        self._transport, self._codec, self._clock = transport, codec, clock
+        self._transport, self._codec, self._clock, self._beat = transport, codec, clock, beat
         self._link_wait_ns, self._gripper_n = round(1e9 * link_wait_s), gripper_n
         self._bodies: dict[int, bytes] = {}
         self._report: ArmReport | None = None
+        self._last_sequence: int | None = None
         self._report_ns, self._first_ns, self._strange = 0, -1, 0
         self._speed = np.zeros(wam.JOINT_COUNT)
         self.counts = LinkCounts()
@@ -77,7 +86,7 @@ class LinkedArm:
     def listen_anew(self) -> None:
         """Take what has arrived, and count from now on: what came before nobody was there to take."""
         self._drain()
-        self.counts = LinkCounts()
+        self.counts, self._last_sequence = LinkCounts(), None
 
     def prepare(self, commands: Iterable[JointCommand]) -> None:
         """Encode commands before they are needed; they must live as long as the arm does."""
@@ -89,7 +98,8 @@ class LinkedArm:
         if self._first_ns < 0:
             self._first_ns = now_ns
         body = self._bodies.get(id(command)) or self._codec.body(command)
-        self._transport.send(self._codec.seal(body, Stamp(self.counts.sent % SEQUENCES, now_ns, self._gripper_n)))
+        number = self.counts.sent if self._beat is None else self._beat.tick
+        self._transport.send(self._codec.seal(body, Stamp(number % SEQUENCES, now_ns, self._gripper_n)))
         self.counts.sent += 1
         self._drain()
         if self._report is None:
@@ -108,10 +118,12 @@ class LinkedArm:
                 self._report, self._report_ns = report, self._clock.now_ns()
 
     def _in_order(self, report: ArmReport) -> bool:
-        if report.stamp is None or self._report is None or self._report.stamp is None:
+        if report.stamp is None:
             return True
-        ahead = (report.stamp.sequence - self._report.stamp.sequence) % SEQUENCES
+        last, self._last_sequence = self._last_sequence, report.stamp.sequence
+        ahead = 1 if last is None else (report.stamp.sequence - last) % SEQUENCES
         if not 0 < ahead < SEQUENCES // 2:
+            self._last_sequence = last
             self.counts.disordered += 1
             return False
         self.counts.lost += ahead - 1
@@ -147,4 +159,3 @@ class LinkedArm:
 
 def _joints_in(size: int) -> str:
     return f": an arm of {size // 8} joints?" if size % 8 == 0 and size // 8 < wam.JOINT_COUNT else ""
-

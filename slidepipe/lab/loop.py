@@ -112,7 +112,7 @@ class Lab:
     pacer: Pacer
     guard: Guard | None = None
     desk: Desk = Nobody()  # noqa: RUF009  # it has no state
-    settings: LoopSettings = LoopSettings()  # noqa: RUF009  # it is frozen
+    settings: LoopSettings = LoopSettings()
 
 
 def execute(course: Course, arm: Arm, cameras: MotionCapture, recorder: Recorder) -> Execution:
@@ -175,7 +175,8 @@ class _Loop:
         if self._lab.desk.stop_asked:
             return Stop(StopCause.OPERATOR, "a person asked for it", state.stamp_ns)
         if phase is Phase.LINK:
-            return self._await_link(state)
+            self._await_link(state)
+            return None
         self._mark(index, state)
         return None if self._lab.guard is None else self._lab.guard.check(before, state)
 

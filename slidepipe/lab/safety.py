@@ -71,7 +71,7 @@ class Guard:
     def __init__(self, limits: SafetyLimits) -> None:
         self._limits = limits
         self._frame_ns = self._hand_ns = self._object_ns = -1
-        self._far = 0
+        self._far, self._number = 0, -1
         self._swap = SwapWatch()
 
     def begin(self, now_ns: int) -> None:
@@ -79,8 +79,10 @@ class Guard:
         self._frame_ns, self._hand_ns, self._object_ns = (max(at, now_ns) for at in self._heard)
 
     def frame(self, frame: MocapFrame, now_ns: int) -> None:
-        """Take note of a frame that has arrived by now."""
-        self._frame_ns = now_ns
+        """Take note of a frame that has arrived by now; one that came before tells nothing new."""
+        if frame.frame == self._number:
+            return
+        self._number, self._frame_ns = frame.frame, now_ns
         if frame.hand is not None:
             self._hand_ns = now_ns
         if frame.object is not None:

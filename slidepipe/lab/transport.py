@@ -57,7 +57,7 @@ class UdpTransport:
         except OSError as error:
             self._socket.close()
             raise LabError(f"arm: cannot talk from {local} to {remote}: {error.strerror or error}") from None
-        self._socket.setblocking(False)
+        self._socket.settimeout(0.0)
 
     def send(self, packet: bytes) -> None:
         """Send one datagram; one that the network does not take now is lost, as it may be on any way."""

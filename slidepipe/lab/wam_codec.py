@@ -9,10 +9,11 @@ bridge     200    our own program on the control PC, see ``wam_bridge/``: header
 ========== ====== ===========================================================================================
 
 A datagram of any other size is not decoded. The bridge's header is ``"SPWB"``, version, kind (1 command, 2 state),
-flags, a byte that is 0, then sequence number (u32), time in ns (u64), the gripper's force in N (double) and the sequence
-number that is answered (u32); its doubles are angles, speeds, and torques beyond gravity.
+flags, a byte that is 0, then sequence number (u32), time in ns (u64), the gripper's force in N (double) and the
+sequence number that is answered (u32); its doubles are angles, speeds, and torques beyond gravity.
 """
 
+import math
 import struct
 from dataclasses import dataclass
 from typing import Protocol
@@ -71,7 +72,7 @@ class ArmReport:
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """A command as the arm's side finds it; speeds are NaN, and the stamp None, where the dialect has no word for them."""
+    """A command as the arm's side finds it; speeds are NaN and the stamp is None where the dialect has none."""
 
     command: JointCommand
     stamp: Stamp | None = None
@@ -217,9 +218,7 @@ class BridgeCodec:
         )
 
 
-CODECS: dict[str, WamCodec] = {
-    codec.name: codec for codec in (PositionsCodec(), VelocitiesCodec(), BridgeCodec())
-}
+CODECS: dict[str, WamCodec] = {codec.name: codec for codec in (PositionsCodec(), VelocitiesCodec(), BridgeCodec())}
 """By the name that a lab file gives."""
 
 
@@ -234,7 +233,7 @@ class _Head:
         if len(packet) != _HEADER.size + _ALL.size:
             return None
         magic, version, kind, flags, sequence, time_ns, gripper_n, answers = _HEADER.unpack_from(packet)
-        if (magic, version, kind) != (MAGIC, BRIDGE_VERSION, wanted):
+        if (magic, version, kind) != (MAGIC, BRIDGE_VERSION, wanted) or not math.isfinite(gripper_n):
             return None
         return cls(flags, Stamp(sequence, time_ns, gripper_n), answers)
 

@@ -13,8 +13,8 @@ from slidepipe.artifacts.schema import dump_model
 from slidepipe.artifacts.store import Store
 from slidepipe.errors import LabError, RefusedError
 from slidepipe.stages import estimate, execute, iterate, plan
-from slidepipe.stages.pictures import TrialRuns, draw_pictures
 from slidepipe.stages.on_lab import RealLab
+from slidepipe.stages.pictures import TrialRuns, draw_pictures
 from slidepipe.stages.plan_files import EXPERIMENT, PLAN
 from slidepipe.stages.trial_files import TRIAL
 

@@ -135,9 +135,7 @@ def _simulate(
     return document, truth
 
 
-def _record(
-    draft: Draft, plan_run: Run, experiment: Experiment, start: FloatArray
-) -> tuple[SimulatedLab, Execution]:
+def _record(draft: Draft, plan_run: Run, experiment: Experiment, start: FloatArray) -> tuple[SimulatedLab, Execution]:
     reference = read_recording(plan_run.file(REFERENCE)).joints(REFERENCE_JOINTS)
     trial = parse(PlanDocument, load(plan_run.file(PLAN))).trial
     lab = SimulatedLab(

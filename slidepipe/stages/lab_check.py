@@ -81,7 +81,11 @@ def _arm(lab: LabDocument, listen_s: float) -> list[tuple[str, str, bool]]:
     linked = "follows commands" if last.link.linked else "does not follow commands yet"
     return [
         ("dialect", f"{codec.name}, {codec.size} bytes a state", True),
-        ("states", f"{rate_hz:.0f} a second, {arm.counts.lost} lost, longest silence {1e-6 * oldest_ns:.1f} ms", rate_hz > 450),
+        (
+            "states",
+            f"{rate_hz:.0f} a second, {arm.counts.lost} lost, longest silence {1e-6 * oldest_ns:.1f} ms",
+            rate_hz > 450,
+        ),
         ("joints", "[" + ", ".join(f"{angle:.3f}" for angle in last.position_rad) + "] rad", True),
         ("from home", f"{home:.3f} rad at most", True),
         ("at rest", f"moved {1e3 * drift:.2f} mrad meanwhile", bool(drift < 0.01)),
@@ -107,7 +111,11 @@ def _cameras(lab: LabDocument, listen_s: float) -> list[tuple[str, str, bool]]:
     return [
         ("server", f"{info.name} {server_version}, NatNet {version}", True),
         ("clock", f"{client_rate(info)} ticks/s, offset {offset_s}, round trip {_ms(round_trip_ns)}", True),
-        ("frames", f"{rate_hz:.0f} a second, {counts.frames.missing} missing", abs(rate_hz / lab.cameras.rate_hz - 1) < 0.1),
+        (
+            "frames",
+            f"{rate_hz:.0f} a second, {counts.frames.missing} missing",
+            abs(rate_hz / lab.cameras.rate_hz - 1) < 0.1,
+        ),
         ("latency", latencies, True),
         _tracking("hand", sum(frame.hand is None for frame in frames), len(frames)),
         _tracking("object", sum(frame.object is None for frame in frames), len(frames)),

@@ -19,8 +19,9 @@ from slidepipe.planning.limits import Check
 from slidepipe.stages.labs import lab_settings
 from slidepipe.stages.plan_files import PLAN, REFERENCE, REFERENCE_JOINTS
 from slidepipe.stages.preflight import preflight
-from slidepipe.stages.streamer import Readiness, StreamJob, StreamOutcome, Watch, stream
+from slidepipe.stages.streamer import Readiness, StreamJob, StreamOutcome
 from slidepipe.stages.trial_files import RECORDING, RECORDING_FILE, Executed, trial_document, write_trial
+from slidepipe.stages.watch import Watch, stream
 
 LATE_S = 0.001
 EXPERIMENTS = Path("experiments")

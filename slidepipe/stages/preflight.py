@@ -48,7 +48,7 @@ def _refuse_nonsense(reference: JointSeries) -> None:
 
 def _checks(reference: JointSeries, lab: LabDocument, experiment: Experiment) -> list[Check]:
     limits, q = lab.arm.limits, reference.position_rad
-    time_s = np.arange(len(q)) * TICK_S
+    time_s = np.arange(len(q), dtype=np.float64) * TICK_S
     lower, upper = np.array(limits.joint_lower_rad), np.array(limits.joint_upper_rad)
     speeds = np.array(limits.joint_speed_rad_s)
     steps = np.abs(np.diff(q, axis=0, append=q[-1:]))

@@ -85,7 +85,9 @@ def run(request: ServeRequest) -> ServeResult:
     """
     for override in request.overrides:
         if not override.startswith("lab."):
-            raise InputError(f"--set {override}: only keys of lab can be set (lab.key=value): the rest the plan decides")
+            raise InputError(
+                f"--set {override}: only keys of lab can be set (lab.key=value): the rest the plan decides"
+            )
     experiment = load_experiment(request.experiment, request.overrides)
     lab = load_lab(find_lab(request.lab, request.experiment.parent))
     random = np.random.default_rng([experiment.lab.seed, 2])

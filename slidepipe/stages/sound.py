@@ -43,12 +43,14 @@ def around_motion(mocap: MocapSeries, start_ns: int, stop_ns: int) -> MocapSerie
 
 
 def _frames(frames: FrameSeries, kept: BoolArray) -> FrameSeries:
-    columns = (frames.frame, frames.ticks, frames.received_ns)
-    flags = (frames.hand_valid, frames.object_valid)
-    return FrameSeries(*(column[kept] for column in columns), *(flag[kept] for flag in flags))
+    return FrameSeries(
+        frame=frames.frame[kept],
+        ticks=frames.ticks[kept],
+        received_ns=frames.received_ns[kept],
+        hand_valid=frames.hand_valid[kept],
+        object_valid=frames.object_valid[kept],
+    )
 
 
 def _poses(poses: PoseSeries, kept: BoolArray) -> PoseSeries:
-    return PoseSeries(
-        poses.stamp_ns[kept], poses.position_m[kept], poses.quaternion_xyzw[kept], poses.sequence[kept]
-    )
+    return PoseSeries(poses.stamp_ns[kept], poses.position_m[kept], poses.quaternion_xyzw[kept], poses.sequence[kept])

@@ -1,26 +1,24 @@
-"""The streamer: the loop, alone in a process of its own, and the talk with it from the process that a person watches.
+"""The streamer: the loop, alone in a process of its own.
 
-The streamer connects, tells what it found, waits for leave, and streams. It ignores Ctrl-C, which the watching process
-turns into a wish to stop; where that process is gone, it stops as well. Nothing is cut: the arm slows down on its path.
+It connects, tells what it found, waits for leave, and streams. It ignores Ctrl-C, which the watching process turns into
+a wish to stop; where that process is gone, it stops as well. Nothing is cut: the arm slows down on its path.
 """
 
-import os
 import signal
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import dataclass
-from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from slidepipe.errors import LabError, RefusedError, SlidepipeError
+from slidepipe.errors import LabError, SlidepipeError
 from slidepipe.lab.approach import there_and_back
 from slidepipe.lab.clock import TICK_NS, Beat, RealClock
 from slidepipe.lab.course import Course
-from slidepipe.lab.desk import Progress, StreamDesk, WatchDesk, shared_words
+from slidepipe.lab.desk import StreamDesk
 from slidepipe.lab.link import LinkCounts, LinkedArm
 from slidepipe.lab.loop import INVALID, Execution, Lab, run
 from slidepipe.lab.natnet.client import ClientCounts, NatNetClient
@@ -36,9 +34,9 @@ from slidepipe.tick import TICK_S
 
 GAP_SHARE = 0.8
 """A gap of more than this share of the driver's time-out makes a trial invalid."""
-MARGIN_S = 30.0
-"""How much longer than its course a streamer may take before it is given up."""
 LOOK_S = 0.1
+LONGEST_S = 600.0
+"""Ticks of so long a stream have their lateness kept."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,101 +97,7 @@ class StreamOutcome:
     invalid: str | None
 
 
-@dataclass(frozen=True, slots=True)
-class Watch:
-    """Who is asked before the arm moves, and told meanwhile.
-
-    Attributes
-    ----------
-    confirm : Callable
-        Whether the arm may move, given what was found.
-    linked : Callable
-        Returns when a person has linked the arm; called where its program does not tell, and nothing moves until then.
-    progress : Callable
-        Told ten times a second.
-    """
-
-    confirm: Callable[[Readiness], bool]
-    linked: Callable[[Readiness], None]
-    progress: Callable[[Progress], None]
-
-
-def stream(job: StreamJob, watch: Watch) -> StreamOutcome:
-    """Stream in a process of its own, and watch it.
-
-    Raises
-    ------
-    LabError
-        The arm or the cameras do not answer, do not see what they should, or the streamer failed.
-    RefusedError
-        A person did not want the arm to move.
-    """
-    context = get_context("spawn")
-    words, (ours, theirs) = shared_words(context), context.Pipe()
-    process = context.Process(target=_main, args=(job, words, theirs, os.getpid()), name="slidepipe-streamer")
-    process.start()
-    theirs.close()
-    try:
-        return _attend(ours, WatchDesk(words), watch)
-    finally:
-        WatchDesk(words).ask_to_stop()
-        ours.close()
-        process.join(job.lab.loop.stop_s + job.lab.loop.hold_s + MARGIN_S)
-        if process.is_alive():
-            process.kill()
-            process.join()
-
-
-def _attend(pipe: Connection, desk: WatchDesk, watch: Watch) -> StreamOutcome:
-    found = _hear(pipe, MARGIN_S, lambda: None)
-    if not isinstance(found, Readiness):
-        raise LabError(f"streamer: unexpected word {found!r}")
-    if not watch.confirm(found):
-        raise RefusedError("execute: nobody wanted the arm to move, and it did not")
-    pipe.send(True)
-    patience_s = found.course_s + MARGIN_S
-    try:
-        if not found.tells_linked:
-            watch.linked(found)
-        desk.let_go()
-    except KeyboardInterrupt:
-        desk.ask_to_stop()
-
-    def look() -> None:
-        progress = desk.look()
-        if progress is not None:
-            watch.progress(progress)
-
-    outcome = _hear(pipe, patience_s + 60.0, look, desk.ask_to_stop)
-    if not isinstance(outcome, StreamOutcome):
-        raise LabError(f"streamer: unexpected word {outcome!r}")
-    return outcome
-
-
-def _hear(
-    pipe: Connection, patience_s: float, look: Callable[[], None], interrupted: Callable[[], None] | None = None
-) -> object:
-    """Wait for the streamer's next word, looking after things meanwhile."""
-    left = round(patience_s / LOOK_S)
-    while left > 0:
-        try:
-            left -= 1
-            if pipe.poll(LOOK_S):
-                word = pipe.recv()
-                if isinstance(word, BaseException):
-                    raise word
-                return word
-            look()
-        except EOFError:
-            raise LabError("streamer: it has died") from None
-        except KeyboardInterrupt:
-            if interrupted is None:
-                raise
-            interrupted()
-    raise LabError(f"streamer: not heard of for {patience_s:.0f} s")
-
-
-def _main(job: StreamJob, words: Any, pipe: Connection, parent: int) -> None:
+def main(job: StreamJob, words: Any, pipe: Connection, parent: int) -> None:
     """Be the streamer."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
@@ -208,25 +112,29 @@ def _stream(job: StreamJob, desk: StreamDesk, pipe: Connection) -> StreamOutcome
     lab, clock = job.lab, RealClock()
     codec = CODECS[lab.dialect]
     with closing(UdpTransport(lab.local, lab.remote)) as transport, NatNetClient(lab.cameras, clock) as cameras:
-        arm = LinkedArm(transport, codec, clock, link_wait_s=lab.link_wait_s, gripper_n=lab.gripper_n)
+        beat = Beat(clock, LONGEST_S)
+        arm = LinkedArm(transport, codec, clock, link_wait_s=lab.link_wait_s, gripper_n=lab.gripper_n, beat=beat)
         measured = arm.connect(lab.connect_s)
         await_bodies(cameras, clock, lab)
-        course = there_and_back(
-            measured.position_rad, job.reference, lab.home_rad, limits=lab.moves, pauses=lab.pauses
-        )
+        course = there_and_back(measured.position_rad, job.reference, lab.home_rad, limits=lab.moves, pauses=lab.pauses)
         _refuse_leaving_limits(course, lab)
         approach = sum(phase.value == "approach" for phase in course.phases)
         pipe.send(Readiness(measured.position_rad, len(course) * TICK_S, approach * TICK_S, codec.tells_linked))
         _await_leave(pipe, arm, cameras, desk)
-        return _run(job, course, arm, cameras, desk=desk, clock=clock)
+        return _run(job, course, _Streams(arm, cameras, beat, clock), desk)
 
 
-def _run(
-    job: StreamJob, course: Course, arm: LinkedArm, cameras: NatNetClient, *, desk: StreamDesk, clock: RealClock
-) -> StreamOutcome:
-    lab = job.lab
+@dataclass(frozen=True, slots=True)
+class _Streams:
+    arm: LinkedArm
+    cameras: NatNetClient
+    beat: Beat
+    clock: RealClock
+
+
+def _run(job: StreamJob, course: Course, streams: _Streams, desk: StreamDesk) -> StreamOutcome:
+    lab, arm, cameras, beat = job.lab, streams.arm, streams.cameras, streams.beat
     arm.prepare(course.commands)
-    beat = Beat(clock, len(course) * TICK_S + lab.loop.link_timeout_s + lab.loop.stop_s + lab.loop.hold_s)
     recording = RecordingSetup(job.recording, job.provenance, job.attachments, cameras.ticks_per_s)
     with RecordingProcess(recording) as recorder:
         there = Lab(arm, cameras, recorder.recorder, beat, Guard(lab.safety), desk, lab.loop)
@@ -234,11 +142,8 @@ def _run(
         arm.listen_anew()
         with realtime() as refused:
             execution = run(course, there)
-        invalid = _why_invalid(execution, lab, recorder.lost)
-        now_ns = clock.now_ns()
-        if invalid is not None:
-            recorder.recorder.event(now_ns, f"{INVALID}{invalid}")
-        for line in (*refused, *cameras.take_notices()):
+        now_ns, invalid = streams.clock.now_ns(), _why_invalid(execution, lab, recorder.lost)
+        for line in (*refused, *cameras.take_notices(), *(() if invalid is None else (f"{INVALID}{invalid}",))):
             recorder.recorder.event(now_ns, line)
         recorder.recorder.statistics(_statistics(now_ns, cameras.counts, recorder.lost))
         report = recorder.close()
