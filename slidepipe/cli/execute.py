@@ -26,8 +26,8 @@ if TYPE_CHECKING:
         ExitCode.OK: "executed, and the object is still held",
         ExitCode.NO: "the object was lost; the trial is kept all the same",
         ExitCode.BUSY: MEANINGS[ExitCode.BUSY],
-        ExitCode.LAB: "the arm was stopped on its way, it or the cameras failed, or the stream did not keep time",
-        ExitCode.INTERRUPTED: "Ctrl-C; a real arm is stopped along its path, and the trial kept",
+        ExitCode.LAB: "the arm was stopped, a part of the lab failed, or time was not kept",
+        ExitCode.INTERRUPTED: "Ctrl-C: a real arm stops on its path, and the trial is kept",
     },
 )
 @options.run_argument("plan_run")

@@ -10,20 +10,17 @@ from pathlib import Path
 import click
 
 from slidepipe.cli import options, render
-from slidepipe.cli.exits import ExitCode
+from slidepipe.cli.exits import MEANINGS, ExitCode
 from slidepipe.cli.session import Report
 
-BOTH = (
-    "\b\nExample:\n  slidepipe lab check loopback\n\nSee `slidepipe lab check --help` and `slidepipe lab serve --help`."
+command = options.verbs(
+    "lab",
+    "Look at a laboratory, or play one.\n\n"
+    "A laboratory is a file, experiments/labs/NAME.yaml: addresses, rates, frames and limits. Both commands have a "
+    "help of their own, and take --json.",
+    example="slidepipe lab check loopback",
+    exits={ExitCode.LAB: MEANINGS[ExitCode.LAB]},
 )
-
-
-@click.group("lab", short_help="Look at a laboratory, or play one.", epilog=BOTH)
-def command() -> None:
-    """Look at a laboratory, or play one.
-
-    A laboratory is a file, `experiments/labs/NAME.yaml`: addresses, rates, frames and limits.
-    """
 
 
 @options.verb(
@@ -54,7 +51,7 @@ def check(ctx: click.Context, *, name: str, as_json: bool) -> None:
     "It ends with Ctrl-C, and then says how it kept time. A FAULT is KIND=STRENGTH, or KIND=STRENGTH@START with the "
     "seconds after the arm was linked; KIND is loss, duplication, reordering, occlusion, blindness or swap (shares), "
     "jitter (mean, s), drift (ppm), freeze, stall or unlink (how long, s).",
-    example="slidepipe lab serve experiments/regrasp.yaml --lab loopback --fault loss=0.05",
+    example="slidepipe lab serve experiments/regrasp.yaml --lab loopback",
     exits={ExitCode.OK: "it was ended", ExitCode.LAB: "a port is taken, or the address is not this machine's"},
 )
 @click.argument("experiment", metavar="EXPERIMENT.yaml", type=click.Path(path_type=Path))

@@ -22,10 +22,18 @@ def verb(name: str, does: str, *, example: str, exits: Mapping[ExitCode, str]) -
     exits : Mapping[ExitCode, str]
         What the codes mean that mean something special here, or that only this verb ends with.
     """
+    return click.command(name, help=does, short_help=does.partition("\n")[0], epilog=_epilog(example, exits))
+
+
+def verbs(name: str, does: str, *, example: str, exits: Mapping[ExitCode, str]) -> click.Group:
+    """Make a command that has commands of its own; see :func:`verb`."""
+    return click.Group(name, help=does, short_help=does.partition("\n")[0], epilog=_epilog(example, exits))
+
+
+def _epilog(example: str, exits: Mapping[ExitCode, str]) -> str:
     meanings = {code: MEANINGS[code] for code in (*ALWAYS, *READS_STORE)} | dict(exits)
     codes = "\n".join(f"  {code:<4d} {meanings[code]}" for code in sorted(meanings))
-    epilog = f"\b\nExample:\n  {example}\n\n\b\nExit codes:\n{codes}"
-    return click.command(name, help=does, short_help=does.partition("\n")[0], epilog=epilog)
+    return f"\b\nExample:\n  {example}\n\n\b\nExit codes:\n{codes}"
 
 
 as_json: Callable[[Callback], Callback] = click.option(

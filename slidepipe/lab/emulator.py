@@ -91,8 +91,9 @@ class Emulator:
     def _is_swapped(self, share: float) -> bool:
         if self._swapped_left == 0 and self._random.random() < share / STRETCH / max(1.0 - share, 1e-9):
             self._swapped_left = STRETCH
-        self._swapped_left = max(0, self._swapped_left - 1) if share else 0
-        return self._swapped_left > 0
+        swapped = self._swapped_left > 0 and share > 0.0
+        self._swapped_left -= swapped
+        return swapped
 
 
 @dataclass(slots=True)

@@ -36,7 +36,7 @@ LIMITS = SafetyLimits(
     object_timeout_s=0.15,
     object_reach_m=0.059,
 )
-MOVES = MoveLimits(np.full(7, 1.0), np.full(7, 10.0), np.full(7, 200.0))
+MOVES = MoveLimits(np.full(7, 1.0), np.full(7, 3.0), np.full(7, 60.0))
 PAUSES = Pauses(rest_s=0.2, hold_s=0.1)
 SETTINGS = LoopSettings(link_timeout_s=2.0, jump_rad=0.05, stop_s=0.3, hold_s=0.2)
 
