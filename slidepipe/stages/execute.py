@@ -136,18 +136,18 @@ def _trial(recording: Recording, execution: Execution, plan_run: str, experiment
         plan=plan_run,
         lab="simulated",
         seed=experiment.lab.seed,
-        outcome=_outcome(mocap, experiment),
+        outcome=outcome_of(mocap, experiment, rate_hz=experiment.lab.cameras.rate_hz),
         started_ns=execution.start_ns,
         finished_ns=execution.stop_ns,
-        frames=_frames(mocap),
+        frames=frame_counts(mocap),
         tracking_error=_tracking(recording, execution, experiment),
         recording_file="trial.mcap",
     )
 
 
-def _outcome(mocap: MocapSeries, experiment: Experiment) -> Outcome:
+def outcome_of(mocap: MocapSeries, experiment: Experiment, *, rate_hz: float) -> Outcome:
     """Held, if the object was seen within its own reach of the hand in the last frames."""
-    last = int(mocap.frames.frame[-1]) - round(0.2 * experiment.lab.cameras.rate_hz)
+    last = int(mocap.frames.frame[-1]) - round(0.2 * rate_hz)
     hand = {int(frame): index for index, frame in enumerate(mocap.hand.sequence) if frame > last}
     reach_m = np.hypot(experiment.object.size_x_m, experiment.object.size_y_m) / 2
     near = [
@@ -158,7 +158,8 @@ def _outcome(mocap: MocapSeries, experiment: Experiment) -> Outcome:
     return "held" if near and np.mean(near) > 0.5 else "lost"
 
 
-def _frames(mocap: MocapSeries) -> FrameCounts:
+def frame_counts(mocap: MocapSeries) -> FrameCounts:
+    """How many frames there are, and in how many a body was not tracked."""
     seen = mocap.frames.hand_valid & mocap.frames.object_valid
     times_s = 1e-9 * mocap.frames.received_ns[seen]
     return FrameCounts(

@@ -53,6 +53,7 @@ def test_mcap_core_reads_it_all(recording: Path) -> None:
 
 @with_rerun
 def test_rerun_finds_nothing_wrong(recording: Path) -> None:
-    done = subprocess.run([RERUN, "mcap", "check", str(recording)], capture_output=True, text=True, check=False, timeout=60)  # noqa: S603
+    command = [RERUN, "mcap", "check", str(recording)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)  # noqa: S603
     assert done.returncode == 0, done.stdout + done.stderr
     assert "error" not in (done.stdout + done.stderr).lower()
