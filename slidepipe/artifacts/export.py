@@ -63,9 +63,10 @@ def _staged(recording: Recording, directory: Path, write: Callable[[Path], None]
     """Write beside the directory and move there in one go, so that nothing half-written is ever seen."""
     if directory.exists():
         raise InputError(f"{directory}: exists already, name a directory that does not")
-    staging = directory.with_name(f".tmp-{directory.name}-{os.getpid()}")
+    place = directory.with_name(f".tmp-{directory.name}-{os.getpid()}")
+    staging = place / directory.name  # a bag's files are named after its directory
     try:
-        directory.parent.mkdir(parents=True, exist_ok=True)
+        place.mkdir(parents=True)
         write(staging)
         for name, data in recording.attachments.items():
             (staging / Path(name).name).write_bytes(data)
@@ -74,7 +75,7 @@ def _staged(recording: Recording, directory: Path, write: Callable[[Path], None]
     except OSError as error:
         raise InputError(f"{directory}: cannot be written: {error.strerror}") from None
     finally:
-        shutil.rmtree(staging, ignore_errors=True)
+        shutil.rmtree(place, ignore_errors=True)
     return tuple(sorted(path.name for path in directory.iterdir()))
 
 

@@ -3,6 +3,7 @@
 import os
 import platform
 from contextlib import suppress
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, ClassVar
@@ -17,6 +18,8 @@ from slidepipe.artifacts.values import Count, RunId, Slug
 OWNER = ".owner.yaml"
 _BEFORE_S = 2.0
 """A process that began this much after the run did is another one with the same number."""
+_DEAD = ("Z", "X")
+"""States of a process that has died and whose parent has not noticed yet."""
 
 
 class OwnerDocument(Artifact):
@@ -55,8 +58,10 @@ class OwnerDocument(Artifact):
             return True
         except PermissionError:
             pass
-        began_s = _began_s(self.pid)
-        return began_s is not None and began_s > self.begun_at.timestamp() + _BEFORE_S
+        now = _look_up(self.pid)
+        if now is None:  # the system does not tell more
+            return False
+        return now.state in _DEAD or now.began_s > self.begun_at.timestamp() + _BEFORE_S
 
 
 def read_owner(staging: Path) -> OwnerDocument:
@@ -79,11 +84,17 @@ def write_owner(staging: Path, owner: OwnerDocument) -> None:
     made.replace(staging / OWNER)
 
 
-def _began_s(pid: int) -> float | None:
-    """When a process began, in seconds since 1970; None where the system does not tell."""
+@dataclass(frozen=True, slots=True)
+class _Process:
+    state: str
+    began_s: float
+
+
+def _look_up(pid: int) -> _Process | None:
+    """State of a process and when it began, in seconds since 1970; None where the system does not tell."""
     with suppress(OSError, ValueError, IndexError, StopIteration):
         fields = Path(f"/proc/{pid}/stat").read_text(encoding="ascii", errors="replace").rpartition(")")[2].split()
         lines = Path("/proc/stat").read_text(encoding="ascii").splitlines()
         boot_s = next(float(line.split()[1]) for line in lines if line.startswith("btime "))
-        return boot_s + int(fields[19]) / os.sysconf("SC_CLK_TCK")
+        return _Process(fields[0], boot_s + int(fields[19]) / os.sysconf("SC_CLK_TCK"))
     return None
