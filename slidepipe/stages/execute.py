@@ -19,15 +19,16 @@ from slidepipe.artifacts.run import Run
 from slidepipe.artifacts.schema import dump_model, parse
 from slidepipe.artifacts.store import Store
 from slidepipe.artifacts.strict_yaml import load
-from slidepipe.artifacts.trial import FrameCounts, Outcome, TrackingError, TrialDocument, TruthDocument
+from slidepipe.artifacts.trial import TrackingError, TrialDocument, TruthDocument
 from slidepipe.artifacts.values import Pose
 from slidepipe.errors import InputError
 from slidepipe.lab.loop import Execution, execute
 from slidepipe.lab.simulated import SimulatedLab, Truth
-from slidepipe.series import FloatArray, MocapSeries
+from slidepipe.series import FloatArray
 from slidepipe.stages.plan_files import EXPERIMENT, PLAN, REFERENCE, REFERENCE_JOINTS
 from slidepipe.stages.recorder import TrialRecorder
 from slidepipe.stages.translate import cameras, setup, tracker, vector, world
+from slidepipe.stages.trial_facts import frame_counts, outcome_of
 
 STAGE, STAGE_VERSION = "execute", 1
 TRIAL, RECORDING, TRUTH, TRUE_POSES = "trial", "recording", "truth", "true-poses"
@@ -142,31 +143,6 @@ def _trial(recording: Recording, execution: Execution, plan_run: str, experiment
         frames=frame_counts(mocap),
         tracking_error=_tracking(recording, execution, experiment),
         recording_file="trial.mcap",
-    )
-
-
-def outcome_of(mocap: MocapSeries, experiment: Experiment, *, rate_hz: float) -> Outcome:
-    """Held, if the object was seen within its own reach of the hand in the last frames."""
-    last = int(mocap.frames.frame[-1]) - round(0.2 * rate_hz)
-    hand = {int(frame): index for index, frame in enumerate(mocap.hand.sequence) if frame > last}
-    reach_m = np.hypot(experiment.object.size_x_m, experiment.object.size_y_m) / 2
-    near = [
-        np.linalg.norm(mocap.object.position_m[index] - mocap.hand.position_m[hand[int(frame)]]) < reach_m
-        for index, frame in enumerate(mocap.object.sequence)
-        if int(frame) in hand
-    ]
-    return "held" if near and np.mean(near) > 0.5 else "lost"
-
-
-def frame_counts(mocap: MocapSeries) -> FrameCounts:
-    """How many frames there are, and in how many a body was not tracked."""
-    seen = mocap.frames.hand_valid & mocap.frames.object_valid
-    times_s = 1e-9 * mocap.frames.received_ns[seen]
-    return FrameCounts(
-        taken=len(mocap.frames.frame),
-        hand_missing=int(np.sum(~mocap.frames.hand_valid)),
-        object_missing=int(np.sum(~mocap.frames.object_valid)),
-        longest_gap_s=float(np.max(np.diff(times_s), initial=0.0)),
     )
 
 
