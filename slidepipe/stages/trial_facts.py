@@ -9,6 +9,8 @@ from slidepipe.series import MocapSeries
 
 def outcome_of(mocap: MocapSeries, experiment: Experiment, *, rate_hz: float) -> Outcome:
     """Held, if the object was seen within its own reach of the hand in the last frames."""
+    if not len(mocap.frames.frame):
+        return "lost"
     last = int(mocap.frames.frame[-1]) - round(0.2 * rate_hz)
     hand = {int(frame): index for index, frame in enumerate(mocap.hand.sequence) if frame > last}
     reach_m = np.hypot(experiment.object.size_x_m, experiment.object.size_y_m) / 2
