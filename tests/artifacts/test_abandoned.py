@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from slidepipe.artifacts.draft_document import OWNER, read_draft, write_draft
 from slidepipe.artifacts.manifest import RunState
-from slidepipe.artifacts.owner import OWNER, read_owner, write_owner
 from slidepipe.artifacts.store import Store
 from slidepipe.cli.main import cli
 
@@ -92,13 +92,13 @@ def test_recover_tells_what_it_did(store: Store, process: subprocess.Popen) -> N
 @pytest.mark.usefixtures("process")
 def test_a_number_that_another_process_has_by_now(store: Store) -> None:
     (staging,) = store.root.glob("runs/*/.tmp-*")
-    owner = read_owner(staging)
+    owner = read_draft(staging)
     assert not owner.gone
     assert owner.model_copy(update={"begun": "2020-01-01T00:00:00.000000Z"}).gone
     assert owner.model_copy(update={"pid": 2**22 + 1}).gone
     elsewhere = owner.model_copy(update={"pid": 2**22 + 1, "host": platform.node() + "-other"})
     assert not elsewhere.gone, "of another machine nobody knows"
-    write_owner(staging, elsewhere)
+    write_draft(staging, elsewhere)
     assert store.abandoned() == ()
 
 

@@ -211,7 +211,7 @@ def test_the_loop_is_killed_and_the_recorder_finishes_the_file(store: Store, num
     last_ns = trial.last_ns()
     trial.gone()
     (abandoned,) = store.abandoned()
-    recording = read_recording(abandoned.directory / "trial.mcap")
+    recording = read_recording(abandoned.staging / "trial.mcap")
     assert recording.metadata["slidepipe.end"]["state"] == "interrupted: the loop's process is gone"
     assert recording.log_ns(topics.MEASURED)[-1] >= last_ns, "nothing at all is lost"
     recovered(store, last_ns)

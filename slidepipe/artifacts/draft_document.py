@@ -22,7 +22,7 @@ _DEAD = ("Z", "X")
 """States of a process that has died and whose parent has not noticed yet."""
 
 
-class OwnerDocument(Artifact):
+class DraftDocument(Artifact):
     """What stands beside the files of a run in the making; ``roles`` by the name of the file."""
 
     SCHEMA: ClassVar[str] = "slidepipe.draft"
@@ -64,7 +64,7 @@ class OwnerDocument(Artifact):
         return now.state in _DEAD or now.began_s > self.begun_at.timestamp() + _BEFORE_S
 
 
-def read_owner(staging: Path) -> OwnerDocument:
+def read_draft(staging: Path) -> DraftDocument:
     """Read who makes the run in a staging directory.
 
     Raises
@@ -74,13 +74,13 @@ def read_owner(staging: Path) -> OwnerDocument:
     InputError
         It is damaged.
     """
-    return parse(OwnerDocument, load(staging / OWNER))
+    return parse(DraftDocument, load(staging / OWNER))
 
 
-def write_owner(staging: Path, owner: OwnerDocument) -> None:
+def write_draft(staging: Path, draft: DraftDocument) -> None:
     """Say who makes the run, in place of what was said before."""
     made = staging / f"{OWNER}.new"
-    made.write_text(dump_model(owner), encoding="utf-8")
+    made.write_text(dump_model(draft), encoding="utf-8")
     made.replace(staging / OWNER)
 
 
