@@ -25,13 +25,14 @@ from slidepipe.errors import InputError
 from slidepipe.lab.loop import Execution, execute
 from slidepipe.lab.simulated import SimulatedLab, Truth
 from slidepipe.series import FloatArray
+from slidepipe.stages import trial_facts
 from slidepipe.stages.plan_files import EXPERIMENT, PLAN, REFERENCE, REFERENCE_JOINTS
 from slidepipe.stages.recorder import TrialRecorder
 from slidepipe.stages.translate import cameras, setup, tracker, vector, world
 from slidepipe.stages.trial_facts import frame_counts, outcome_of
 
 STAGE, STAGE_VERSION = "execute", 1
-TRIAL, RECORDING, TRUTH, TRUE_POSES = "trial", "recording", "truth", "true-poses"
+TRIAL, RECORDING, TRUTH, TRUE_POSES = trial_facts.TRIAL, trial_facts.RECORDING, "truth", "true-poses"
 """Roles of a trial's files."""
 TRUE_HAND, TRUE_OBJECT = "/truth/hand", "/truth/object"
 SLIDES_ABOVE_M_S = 0.005

@@ -6,7 +6,7 @@ from pathlib import Path
 from slidepipe.artifacts.export import export_csv, export_ros2
 from slidepipe.artifacts.recording_reader import read_recording
 from slidepipe.artifacts.store import Store
-from slidepipe.stages.execute import RECORDING
+from slidepipe.stages.trial_facts import RECORDING
 
 MCAP = ".mcap"
 

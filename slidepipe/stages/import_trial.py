@@ -26,10 +26,9 @@ from slidepipe.errors import InputError
 from slidepipe.lab.camera_frame import CameraFrame, RigidPose, UpAxis
 from slidepipe.lab.loop import MOTION_ENDS, MOTION_STARTS
 from slidepipe.series import BoolArray, ClockSync, FloatArray, FrameSeries, MocapSeries, PoseSeries
-from slidepipe.stages.execute import RECORDING, TRIAL
 from slidepipe.stages.motion_times import MotionTimes, find_motion
 from slidepipe.stages.plan_files import EXPERIMENT, PLAN
-from slidepipe.stages.trial_facts import frame_counts, outcome_of
+from slidepipe.stages.trial_facts import RECORDING, TRIAL, frame_counts, outcome_of
 
 STAGE, STAGE_VERSION = "import", 1
 SOURCE = "source"

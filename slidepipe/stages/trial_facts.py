@@ -6,6 +6,9 @@ from slidepipe.artifacts.experiment import Experiment
 from slidepipe.artifacts.trial import FrameCounts, Outcome
 from slidepipe.series import MocapSeries
 
+TRIAL, RECORDING = "trial", "recording"
+"""Roles of the files that every trial has."""
+
 
 def outcome_of(mocap: MocapSeries, experiment: Experiment, *, rate_hz: float) -> Outcome:
     """Held, if the object was seen within its own reach of the hand in the last frames."""
