@@ -38,7 +38,9 @@ check: $(DEV)  ## lint, types and layers
 
 check-peers: $(DEV)  ## install NatNet clients and MCAP readers that others wrote, and test against them
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,peers]'
-	if command -v npm > /dev/null; then npm install --silent --no-fund --no-audit --prefix build/peers @mcap/core@2 @mcap/support@1; fi
+	if command -v npm > /dev/null; then \
+	  npm install --silent --ignore-scripts --no-fund --no-audit --prefix build/peers @mcap/core@2 @mcap/support@1 \
+	    || echo "npm cannot install @mcap/core: its test is skipped"; fi
 	$(BIN)/python -m pytest -rs $(PEERS)
 
 bench: $(STAMP)  ## measure speed and accuracy against scipy and MuJoCo

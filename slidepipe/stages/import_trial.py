@@ -216,7 +216,7 @@ def _record(draft: Draft, mocap: MocapSeries, plan_run: Run, experiment: Experim
         "experiment": experiment.name,
         "lab": "imported",
         "clock": "the cameras' own",
-    }
+    } | {key: str(value) for key, value in draft.request.parameters.items()}
     attachments = {"plan.yaml": plan_run.file(PLAN).read_bytes(), "experiment.yaml": dump_model(experiment).encode()}
     first_ns = int(mocap.frames.received_ns[0])
     events = [

@@ -113,6 +113,8 @@ def test_a_bag_is_estimated_as_the_recording_is(bag: Path, planned, recording, d
     result = import_trial.run(request(planned, bag, topics.HAND, topics.OBJECT))
     assert result.document.outcome == "held"
     assert result.document.lab == "imported"
+    told = read_recording(result.run.file("recording")).metadata["slidepipe.run"]
+    assert (told["lab"], told["up"], told["hand"], told["source"]) == ("imported", "z", topics.HAND, str(bag))
     assert result.document.tracking_error is None
     events = {event.message: event.stamp_ns for event in recording.events()}
     first_ns = int(recording.mocap().hand.stamp_ns[0])
