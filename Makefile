@@ -5,11 +5,13 @@ BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
 DEV    := $(VENV)/.installed-dev
 
+PEERS  := tests/lab/natnet/test_natnet_peers.py tests/artifacts/test_recording_peers.py
+
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench recorded clean
+.PHONY: help demo test check check-peers bench recorded clean
 
 help:  ## list the targets
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
@@ -33,6 +35,13 @@ check: $(DEV)  ## lint, types and layers
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+check-peers: $(DEV)  ## install NatNet clients and MCAP readers that others wrote, and test against them
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,peers]'
+	if command -v npm > /dev/null; then \
+	  npm install --silent --ignore-scripts --no-fund --no-audit --prefix build/peers @mcap/core@2 @mcap/support@1 \
+	    || echo "npm cannot install @mcap/core: its test is skipped"; fi
+	$(BIN)/python -m pytest -rs $(PEERS)
 
 bench: $(STAMP)  ## measure speed and accuracy against scipy, MuJoCo and cyclictest
 	@command -v cyclictest >/dev/null || apt-get install --yes --quiet rt-tests >/dev/null 2>&1 \

@@ -11,7 +11,8 @@ from pathlib import Path
 
 from slidepipe.artifacts.store import Store
 from slidepipe.stages import execute, plan
-from slidepipe.stages.trial_files import RECORDING, TRUE_POSES, TRUTH
+from slidepipe.stages.trial_facts import RECORDING
+from slidepipe.stages.trial_files import TRUE_POSES, TRUTH
 
 HERE = Path(__file__).resolve().parent
 EXPERIMENTS = HERE.parents[1] / "experiments"

@@ -1,11 +1,13 @@
 """Runs in the making whose process was killed: they stay in their staging directories until somebody publishes them."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from pathlib import Path
 
-from slidepipe.artifacts.draft import STAGING, Draft
-from slidepipe.artifacts.owner import OwnerDocument, read_owner
+from slidepipe.artifacts.draft import STAGING, Draft, Request
+from slidepipe.artifacts.draft_document import DraftDocument, read_draft
+from slidepipe.artifacts.manifest import ErrorNote, Manifest, RunState
 from slidepipe.artifacts.run import Run
 from slidepipe.artifacts.run_id import day_of
 from slidepipe.errors import InputError, NotFoundError
@@ -13,26 +15,35 @@ from slidepipe.errors import InputError, NotFoundError
 REASON = "its process was killed"
 
 
-@dataclass(frozen=True, slots=True)
-class Abandoned:
-    """A run that was never published, and whose process is gone."""
+@dataclass(slots=True, kw_only=True)
+class Abandoned(Draft):
+    """A run that was never published, and whose process is gone: all that can be done with it is to publish it."""
 
-    directory: Path
-    owner: OwnerDocument
-    _draft: Draft
+    document: DraftDocument
+    state: RunState = RunState.INTERRUPTED
+    _ended: datetime = field(init=False)
 
-    @property
-    def id(self) -> str:
-        """The run's name."""
-        return self.owner.run
+    def __post_init__(self) -> None:
+        self.run_id, self.recipe = self.document.run, self.request.recipe
+        self._roles.update(self.document.roles)
+        times = [path.stat().st_mtime for path in self.staging.iterdir()]
+        self._ended = datetime.fromtimestamp(max(times), UTC)
 
     def as_run(self) -> Run:
         """The run as it would be published, where it is now."""
-        return self._draft.as_interrupted(REASON)
+        return Run(self.staging, self._manifest(_note(REASON)))
 
     def publish(self, reason: str = REASON) -> Run:
         """Publish it as interrupted, with what it has."""
-        return self._draft.publish_interrupted(reason)
+        self._publish(_note(reason))
+        return self.run
+
+    def _manifest(self, note: ErrorNote | None) -> Manifest:
+        """The manifest with what was then: the code, what it ran on, and when its last file was written."""
+        now = super(Abandoned, self)._manifest(note)
+        then = now.times.model_copy(update={"finished": f"{self._ended:%Y-%m-%dT%H:%M:%S.%fZ}"})
+        told = self.document
+        return now.model_copy(update={"code": told.code, "environment": told.environment, "times": then})
 
 
 def find_abandoned(runs: Path, prepare: Callable[[], None]) -> tuple[Abandoned, ...]:
@@ -42,9 +53,26 @@ def find_abandoned(runs: Path, prepare: Callable[[], None]) -> tuple[Abandoned, 
         if day_of(directory.name.removeprefix(STAGING)) != directory.parent.name:
             continue
         try:
-            owner = read_owner(directory)
-        except (NotFoundError, InputError):  # just begun, or just published
+            document = read_draft(directory)
+            if document.gone:
+                found.append(_adopted(runs, document, prepare))
+        except (NotFoundError, InputError, FileNotFoundError):  # just begun, or just published
             continue
-        if owner.gone:
-            found.append(Abandoned(directory, owner, Draft.adopt(runs, owner, prepare)))
     return tuple(found)
+
+
+def _adopted(runs: Path, document: DraftDocument, prepare: Callable[[], None]) -> Abandoned:
+    request = Request(
+        stage=document.stage,
+        stage_version=document.stage_version,
+        experiment=document.experiment,
+        parameters=document.parameters,
+        inputs=document.inputs,
+        seed=document.seed,
+        command=document.command,
+    )
+    return Abandoned(runs=runs, request=request, prepare=prepare, begun=document.begun_at, document=document)
+
+
+def _note(reason: str) -> ErrorNote:
+    return ErrorNote(type="Interrupted", message=reason)

@@ -11,19 +11,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
 
-from slidepipe.artifacts.disk import sync
-from slidepipe.artifacts.manifest import (
-    Code,
-    Environment,
-    ErrorNote,
-    InputRef,
-    Manifest,
-    OutputRef,
-    Result,
-    RunState,
-    Times,
-)
-from slidepipe.artifacts.owner import OWNER, OwnerDocument, write_owner
+from slidepipe.artifacts.draft_document import OWNER, DraftDocument, write_draft
+from slidepipe.artifacts.manifest import ErrorNote, InputRef, Manifest, OutputRef, Result, RunState, Times
 from slidepipe.artifacts.provenance import code_state, environment, recipe_of, sha256_of
 from slidepipe.artifacts.run import MANIFEST, Run
 from slidepipe.artifacts.run_id import new_run_id
@@ -89,46 +78,10 @@ class Draft:
     _results: list[Result] = field(default_factory=list)
     _made: list[Path] = field(default_factory=list)
     _run: Run | None = None
-    _code: Code | None = None
-    _environment: Environment | None = None
-    _ended: datetime | None = None
 
     def __post_init__(self) -> None:
         self.run_id = new_run_id(self.begun)
         self.recipe = self.request.recipe
-
-    @classmethod
-    def adopt(cls, runs: Path, owner: OwnerDocument, prepare: Callable[[], None]) -> "Draft":
-        """Take over the draft of a process that is gone, to publish it."""
-        request = Request(
-            stage=owner.stage,
-            stage_version=owner.stage_version,
-            experiment=owner.experiment,
-            parameters=owner.parameters,
-            inputs=owner.inputs,
-            seed=owner.seed,
-            command=owner.command,
-        )
-        draft = cls(runs, request, prepare, RunState.INTERRUPTED, owner.begun_at)
-        draft.run_id = owner.run
-        draft._roles.update(owner.roles)
-        draft._code, draft._environment = owner.code, owner.environment
-        return draft
-
-    def as_interrupted(self, reason: str) -> Run:
-        """The run as it would be published, where it still is."""
-        return Run(self.staging, self._manifest(self._interrupted(reason)))
-
-    def publish_interrupted(self, reason: str) -> Run:
-        """Publish what there is."""
-        self._publish(self._interrupted(reason))
-        return self.run
-
-    def _interrupted(self, reason: str) -> ErrorNote:
-        """Why it ended, and when: with its latest file."""
-        self.state = RunState.INTERRUPTED
-        self._ended = datetime.fromtimestamp(max(path.stat().st_mtime for path in self.staging.iterdir()), UTC)
-        return ErrorNote(type="Interrupted", message=reason)
 
     @property
     def final(self) -> Path:
@@ -159,7 +112,8 @@ class Draft:
         if role in self._roles.values() or name in self._roles:
             raise StoreError(f"run {self.run_id}: {role} and {name}: each role is for one file")
         self._roles[name] = role
-        self._write_owner()
+        if self.staging.is_dir():
+            self._write_draft()
         return path
 
     def report(self, name: str, value: float, *, std: float | None = None, unit: str) -> None:
@@ -169,9 +123,8 @@ class Draft:
         self._results.append(Result(name=name, value=float(value), std=None if std is None else float(std), unit=unit))
 
     def __enter__(self) -> "Draft":
-        self._code, self._environment = code_state().code, environment()
         self._make_staging()
-        self._write_owner()
+        self._write_draft()
         if code_state().patch:
             (self.staging / _PATCH).write_bytes(code_state().patch)
         return self
@@ -209,12 +162,10 @@ class Draft:
         except OSError as error:
             raise StoreError(f"{self.staging}: cannot be made: {error.strerror}") from None
 
-    def _write_owner(self) -> None:
+    def _write_draft(self) -> None:
         """Say who makes this run, and of what: should the process be killed, it can be published all the same."""
-        if not self.staging.is_dir() or self._code is None or self._environment is None:
-            return
         asked = self.request
-        owner = OwnerDocument(
+        document = DraftDocument(
             run=self.run_id,
             pid=os.getpid(),
             host=platform.node(),
@@ -227,10 +178,10 @@ class Draft:
             inputs=tuple(asked.inputs),
             command=tuple(asked.command),
             roles=dict(self._roles),
-            code=self._code,
-            environment=self._environment,
+            code=code_state().code,
+            environment=environment(),
         )
-        write_owner(self.staging, owner)
+        write_draft(self.staging, document)
 
     def _fail(self, error: BaseException) -> None:
         self.state = RunState.FAILED if isinstance(error, Exception) else RunState.INTERRUPTED
@@ -242,14 +193,14 @@ class Draft:
         self.prepare()
         (self.staging / OWNER).unlink()
         for path in self._files():
-            sync(path)
+            _sync(path)
         path = self.staging / MANIFEST
         path.write_text(text, encoding="utf-8")
-        sync(path)
-        sync(self.staging)
+        _sync(path)
+        _sync(self.staging)
         self.staging.rename(self.final)
         for directory in (self.final.parent, *(made.parent for made in self._made)):
-            sync(directory)
+            _sync(directory)
         self._run = Run(self.final, manifest)
 
     def _manifest(self, note: ErrorNote | None) -> Manifest:
@@ -260,7 +211,7 @@ class Draft:
             stage_version=asked.stage_version,
             experiment=asked.experiment,
             state=self.state,
-            times=Times(started=_instant(self.begun), finished=_instant(self._ended or datetime.now(UTC))),
+            times=Times(started=_instant(self.begun), finished=_instant(datetime.now(UTC))),
             recipe=self.recipe,
             seed=asked.seed,
             parameters=dict(asked.parameters),
@@ -268,8 +219,8 @@ class Draft:
             outputs=tuple(self._outputs()),
             results=tuple(self._results),
             error=note,
-            code=self._code or code_state().code,
-            environment=self._environment or environment(),
+            code=code_state().code,
+            environment=environment(),
             command=tuple(asked.command),
         )
 
@@ -292,3 +243,12 @@ class Draft:
 
 def _instant(when: datetime) -> str:
     return f"{when:%Y-%m-%dT%H:%M:%S.%fZ}"
+
+
+def _sync(path: Path) -> None:
+    """Wait until a file or directory is on the disk."""
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

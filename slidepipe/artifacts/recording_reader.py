@@ -78,6 +78,15 @@ class Recording:
             raise InputError(f"{self.path}: has no attachment {name}, there are: {there}")
         return self._scan.attachments[name]
 
+    @property
+    def attachments(self) -> dict[str, bytes]:
+        """Files that are kept inside, by name."""
+        return self._scan.attachments
+
+    def schema(self, topic: str) -> str:
+        """Name of the schema of a topic's messages."""
+        return self._topic(topic).schema
+
     def log_ns(self, topic: str) -> IntArray:
         """(T,) times at which the host received a topic's messages."""
         return np.array(self._topic(topic).log_ns, dtype=np.int64)

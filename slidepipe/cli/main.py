@@ -1,5 +1,6 @@
 """The entry point: a group of verbs, each of which is loaded when it is asked for."""
 
+import keyword
 import os
 import sys
 from collections.abc import Callable
@@ -15,8 +16,8 @@ from slidepipe.cli.exits import ExitCode, exit_code
 from slidepipe.cli.session import Session
 from slidepipe.errors import SlidepipeError
 
-VERBS = ("plan", "execute", "estimate", "iterate", "run", "lab", "ls", "show", "recover")
-"""The commands in the order in which help shows them; each is ``slidepipe.cli.NAME``."""
+VERBS = ("plan", "execute", "estimate", "iterate", "run", "lab", "ls", "show", "export", "import", "recover")
+"""The commands in the order in which help shows them; each is ``slidepipe.cli.NAME``, or ``NAME_`` for a keyword."""
 
 _COMMAND = "slidepipe.command"
 
@@ -32,7 +33,7 @@ class Verbs(click.Group):
         """Load a verb; None where there is none of this name."""
         if cmd_name not in VERBS:
             return None
-        command: click.Command = import_module(f"slidepipe.cli.{cmd_name}").command
+        command: click.Command = import_module(f"slidepipe.cli.{_module(cmd_name)}").command
         return command
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
@@ -80,6 +81,10 @@ def cli(ctx: click.Context, data: Path) -> None:
 def main() -> None:
     """Run the command line."""
     cli(prog_name="slidepipe")
+
+
+def _module(verb: str) -> str:
+    return f"{verb}_" if keyword.iskeyword(verb) else verb
 
 
 def _flushed(work: Callable[[], Any]) -> Any:

@@ -16,7 +16,7 @@ from slidepipe.stages import estimate, execute, iterate, plan
 from slidepipe.stages.on_lab import RealLab
 from slidepipe.stages.pictures import TrialRuns, draw_pictures
 from slidepipe.stages.plan_files import EXPERIMENT, PLAN
-from slidepipe.stages.trial_files import TRIAL
+from slidepipe.stages.trial_facts import TRIAL
 
 STAGE, STAGE_VERSION = "run", 1
 CAMPAIGN, TRACKING, SLIDING = "campaign", "tracking", "sliding"

@@ -27,7 +27,7 @@ from slidepipe.estimation.smoothing import SmoothedSeries
 from slidepipe.lab.loop import MOTION_ENDS, MOTION_STARTS
 from slidepipe.stages.sound import around_motion, refuse_unsound
 from slidepipe.stages.translate import block, motion_plane
-from slidepipe.stages.trial_files import RECORDING
+from slidepipe.stages.trial_facts import RECORDING
 
 STAGE, STAGE_VERSION = "estimate", 1
 ESTIMATE, SMOOTHED = "estimate", "smoothed"

@@ -24,8 +24,8 @@ from slidepipe.stages.on_lab import RealLab, stream_plan
 from slidepipe.stages.plan_files import EXPERIMENT, PLAN, REFERENCE, REFERENCE_JOINTS
 from slidepipe.stages.recorder import TrialRecorder
 from slidepipe.stages.translate import cameras, tracker, vector, world
+from slidepipe.stages.trial_facts import RECORDING
 from slidepipe.stages.trial_files import (
-    RECORDING,
     RECORDING_FILE,
     SIMULATED,
     TRUTH,
@@ -127,7 +127,7 @@ def _simulate(
 ) -> tuple[TrialDocument, TruthDocument]:
     lab, execution = _record(draft, plan_run, experiment, start)
     recording = read_recording(draft.path(RECORDING_FILE))
-    executed = Executed(execution, plan_run.id, SIMULATED, experiment.lab.seed)
+    executed = Executed(execution, plan_run.id, SIMULATED, experiment.lab.seed, experiment.lab.cameras.rate_hz)
     document = trial_document(recording, executed, experiment)
     truth = truth_document(lab.truth(), document, experiment)
     write_trial(draft, document)

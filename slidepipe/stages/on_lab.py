@@ -20,7 +20,8 @@ from slidepipe.stages.labs import lab_settings
 from slidepipe.stages.plan_files import PLAN, REFERENCE, REFERENCE_JOINTS
 from slidepipe.stages.preflight import preflight
 from slidepipe.stages.streamer import Readiness, StreamJob, StreamOutcome
-from slidepipe.stages.trial_files import RECORDING, RECORDING_FILE, Executed, trial_document, write_trial
+from slidepipe.stages.trial_facts import RECORDING
+from slidepipe.stages.trial_files import RECORDING_FILE, Executed, trial_document, write_trial
 from slidepipe.stages.watch import Watch, stream
 
 LATE_S = 0.001
@@ -102,7 +103,9 @@ def stream_plan(draft: Draft, plan_run: Run, experiment: Experiment, real: RealL
     outcome = stream(job, watch)
     if outcome.recording.fault is not None:
         raise LabError(f"recorder: {outcome.recording.fault}; slidepipe recover may save what there is")
-    executed = Executed(outcome.execution, plan_run.id, lab.name, None, _report(outcome), outcome.invalid)
+    executed = Executed(
+        outcome.execution, plan_run.id, lab.name, None, lab.cameras.rate_hz, _report(outcome), outcome.invalid
+    )
     document = trial_document(read_recording(path), executed, experiment)
     stop = outcome.execution.stop
     write_trial(draft, document, None if stop is None else stop.cause)

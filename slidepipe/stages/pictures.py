@@ -21,7 +21,8 @@ from slidepipe.series import BoolArray, FloatArray, IntArray, PoseSeries
 from slidepipe.stages.estimate import SMOOTHED, SMOOTHED_HAND, SMOOTHED_RELATIVE
 from slidepipe.stages.plan_files import PLAN, REFERENCE, REFERENCE_HAND, REFERENCE_OBJECT
 from slidepipe.stages.translate import motion_plane, vector
-from slidepipe.stages.trial_files import RECORDING, SIMULATED, TRIAL, TRUE_HAND, TRUE_OBJECT, TRUE_POSES
+from slidepipe.stages.trial_facts import RECORDING, TRIAL
+from slidepipe.stages.trial_files import SIMULATED, TRUE_HAND, TRUE_OBJECT, TRUE_POSES
 
 MARGIN_S = 0.1
 """How much of the rests before and after a motion is shown."""

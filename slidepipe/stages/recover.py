@@ -59,18 +59,18 @@ def _chosen(request: RecoverRequest) -> Iterable[Abandoned]:
     there = request.store.abandoned()
     if request.what is None:
         return there
-    found = [one for one in there if one.id.startswith(request.what)]
+    found = [one for one in there if one.run_id.startswith(request.what)]
     if not found:
-        others = one_of([one.id for one in there]) or "none"
+        others = one_of([one.run_id for one in there]) or "none"
         raise NotFoundError(f"run {request.what}: is not interrupted, or not known; there are: {others}")
     if len(found) > 1:
-        raise NotFoundError(f"run {request.what}: may be {one_of([one.id for one in found])}")
+        raise NotFoundError(f"run {request.what}: may be {one_of([one.run_id for one in found])}")
     return found
 
 
 def _recover(one: Abandoned) -> Recovered:
     recordings, faults = [], []
-    for path in sorted(one.directory.glob(f"*{MCAP}")):
+    for path in sorted(one.staging.glob(f"*{MCAP}")):
         if path.name.startswith("."):
             continue
         try:

@@ -14,34 +14,36 @@ from slidepipe.artifacts.recording_reader import Recording
 from slidepipe.artifacts.recording_series import Series, write_series
 from slidepipe.artifacts.recording_writer import RecordingWriter
 from slidepipe.artifacts.schema import dump_model
-from slidepipe.artifacts.trial import FrameCounts, Outcome, StreamReport, TrackingError, TrialDocument, TruthDocument
+from slidepipe.artifacts.trial import StreamReport, TrackingError, TrialDocument, TruthDocument
 from slidepipe.artifacts.values import Pose
 from slidepipe.lab.loop import Execution
 from slidepipe.lab.safety import StopCause
 from slidepipe.lab.simulated import Truth
-from slidepipe.series import MocapSeries
 from slidepipe.stages.translate import setup
+from slidepipe.stages.trial_facts import TRIAL, frame_counts, outcome_of
 
-TRIAL, RECORDING, TRUTH, TRUE_POSES = "trial", "recording", "truth", "true-poses"
-"""Roles of a trial's files."""
+TRUTH, TRUE_POSES = "truth", "true-poses"
+"""Roles of the files that a simulated trial has beside those that every one has."""
 RECORDING_FILE = "trial.mcap"
 SIMULATED = "simulated"
 """What a trial calls the simulated lab in virtual time."""
 TRUE_HAND, TRUE_OBJECT = "/truth/hand", "/truth/object"
 SLIDES_ABOVE_M_S = 0.005
 """MuJoCo's soft contact creeps below this speed while it sticks."""
-LAST_S = 0.2
-"""Of the frames: in these the object is there, or it is lost."""
 
 
 @dataclass(frozen=True, slots=True)
 class Executed:
-    """What the loop did, by which plan, in which lab; ``stream`` and ``invalid`` where that was in real time."""
+    """What the loop did, by which plan, in which lab; ``stream`` and ``invalid`` where that was in real time.
+
+    ``rate_hz`` is that of the cameras.
+    """
 
     execution: Execution
     plan: str
     lab: str
     seed: int | None
+    rate_hz: float
     stream: StreamReport | None = None
     invalid: str | None = None
 
@@ -53,10 +55,10 @@ def trial_document(recording: Recording, executed: Executed, experiment: Experim
         plan=executed.plan,
         lab=executed.lab,
         seed=executed.seed,
-        outcome=_outcome(mocap, experiment),
+        outcome=outcome_of(mocap, experiment, rate_hz=executed.rate_hz),
         started_ns=execution.start_ns,
         finished_ns=execution.stop_ns,
-        frames=_frames(mocap),
+        frames=frame_counts(mocap),
         tracking_error=_tracking(recording, execution, experiment),
         recording_file=RECORDING_FILE,
         stopped=None if execution.stop is None else str(execution.stop),
@@ -102,32 +104,6 @@ def write_truth(draft: Draft, document: TruthDocument, poses: Truth) -> None:
     draft.add(TRUTH, "truth.yaml").write_text(dump_model(document), encoding="utf-8")
     with RecordingWriter(draft.add(TRUE_POSES, "truth.mcap"), {"run": draft.run_id}) as writer:
         write_series(writer, Series(poses={TRUE_HAND: poses.hand, TRUE_OBJECT: poses.object}))
-
-
-def _outcome(mocap: MocapSeries, experiment: Experiment) -> Outcome:
-    """Held, if the object was seen within its own reach of the hand in the last frames."""
-    if not len(mocap.frames.frame):
-        return "lost"
-    last = int(mocap.frames.frame[-1]) - round(LAST_S * experiment.lab.cameras.rate_hz)
-    hand = {int(frame): index for index, frame in enumerate(mocap.hand.sequence) if frame > last}
-    reach_m = np.hypot(experiment.object.size_x_m, experiment.object.size_y_m) / 2
-    near = [
-        np.linalg.norm(mocap.object.position_m[index] - mocap.hand.position_m[hand[int(frame)]]) < reach_m
-        for index, frame in enumerate(mocap.object.sequence)
-        if int(frame) in hand
-    ]
-    return "held" if near and np.mean(near) > 0.5 else "lost"
-
-
-def _frames(mocap: MocapSeries) -> FrameCounts:
-    seen = mocap.frames.hand_valid & mocap.frames.object_valid
-    times_s = 1e-9 * mocap.frames.received_ns[seen]
-    return FrameCounts(
-        taken=len(mocap.frames.frame),
-        hand_missing=int(np.sum(~mocap.frames.hand_valid)),
-        object_missing=int(np.sum(~mocap.frames.object_valid)),
-        longest_gap_s=float(np.max(np.diff(times_s), initial=0.0)),
-    )
 
 
 def _tracking(recording: Recording, execution: Execution, experiment: Experiment) -> TrackingError | None:

@@ -132,9 +132,8 @@ def test_ctrl_c_does_not_end_the_recorder(tmp_path: Path) -> None:
 class Trial:
     """A loop in a process of its own, with its recorder, at which a test can shoot."""
 
-    def __init__(self, store: Store) -> None:
-        self.store = store
-        command = [sys.executable, recording_by_hand.__file__, str(store.root), "30"]
+    def __init__(self, store: Store, lasts_s: float = 30.0) -> None:
+        command = [sys.executable, recording_by_hand.__file__, str(store.root), str(lasts_s)]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)  # noqa: S603
         self.recorder = int(self.process.stdout.readline())
 
@@ -187,6 +186,24 @@ def test_everything_is_killed_at_a_random_moment(store: Store, number: int) -> N
 
 
 @pytest.mark.parametrize("number", range(max(1, KILLS // 3)))
+def test_the_recorder_alone_is_killed_at_a_random_moment(store: Store, number: int) -> None:
+    """The loop goes on, ends by itself and publishes; what is missing is less than the last moment before the shot."""
+    trial = Trial(store, lasts_s=1.5)
+    time.sleep(random.Random(number).uniform(0.02, 1.0))  # noqa: S311  # as above
+    os.kill(trial.recorder, signal.SIGKILL)
+    out, err = trial.process.communicate()
+    assert err == "the recorder has died (signal 9)\n"
+    said = [int(line) for line in out.splitlines()]
+    (run,) = store.runs()
+    assert run.manifest.state is RunState.INTERRUPTED
+    assert run.manifest.error.message == "the recorder has died (signal 9)"
+    kept = read_recording(run.file("recording")).joints(topics.MEASURED).stamp_ns
+    assert kept[-1] == said[-1]
+    missing = sorted(set(said) - set(kept.tolist()))
+    assert not missing or missing[-1] - missing[0] <= LOST_NS
+
+
+@pytest.mark.parametrize("number", range(max(1, KILLS // 3)))
 def test_the_loop_is_killed_and_the_recorder_finishes_the_file(store: Store, number: int) -> None:
     trial = Trial(store)
     time.sleep(0.3 + 0.1 * number)
@@ -194,7 +211,7 @@ def test_the_loop_is_killed_and_the_recorder_finishes_the_file(store: Store, num
     last_ns = trial.last_ns()
     trial.gone()
     (abandoned,) = store.abandoned()
-    recording = read_recording(abandoned.directory / "trial.mcap")
+    recording = read_recording(abandoned.staging / "trial.mcap")
     assert recording.metadata["slidepipe.end"]["state"] == "interrupted: the loop's process is gone"
     assert recording.log_ns(topics.MEASURED)[-1] >= last_ns, "nothing at all is lost"
     recovered(store, last_ns)

@@ -83,7 +83,7 @@ class NatNetClient:
         self._arrived: list[_Arrived] = []
         self._notices: deque[str] = deque(maxlen=100)
         self._changes = self._touched_ns = 0
-        self._models_stale, self._heard = False, True
+        self._models_stale, self._changed, self._heard = False, False, True
 
     def __enter__(self) -> "NatNetClient":
         try:
@@ -249,10 +249,12 @@ class NatNetClient:
             self._notices.append(f"the cameras began to count their frames anew, at {frame.number}")
         if verdict not in (Verdict.NEW, Verdict.RESTARTED):
             return None
-        if frame.params & m.FrameFlags.MODELS_CHANGED and not self._models_stale:
+        changed = bool(frame.params & m.FrameFlags.MODELS_CHANGED)
+        if changed and not self._changed:  # some servers say so in more than one frame
             self._changes += 1
             self._models_stale = True
             self._wire.send(m.ModelDefRequest())
+        self._changed = changed
         hand, thing = self._hand.pose(frame.bodies), self._object.pose(frame.bodies)
         return MocapFrame(frame.number, ticks, arrived.stamp_ns, hand, thing)
 

@@ -13,8 +13,8 @@ from slidepipe.lab.natnet.settings import NatNetSettings, Transport
 from slidepipe.lab.natnet.version import NEWEST
 
 ASK_AGAIN_S = 0.25
-MOST_AT_ONCE = 64
-"""Datagrams taken in one call: a flood must not hold up the loop."""
+MOST_AT_ONCE = 16
+"""Datagrams taken from a socket in one call: a flood must not hold up the loop, which takes one or two in a tick."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -34,11 +34,12 @@ class Record(Piece):
     fields : Field
     """
 
-    __slots__ = ("_flats", "fields", "kind")
+    __slots__ = ("_flats", "_leasts", "fields", "kind")
 
     def __init__(self, kind: Callable[..., Any], *fields: Field) -> None:
         self.kind, self.fields = kind, fields
         self._flats: dict[NatNetVersion, Flat | None] = {}
+        self._leasts: dict[NatNetVersion, int] = {}
 
     def flat(self, version: NatNetVersion) -> Flat | None:
         """One structure, where all its fields are of fixed size."""
@@ -48,7 +49,10 @@ class Record(Piece):
 
     def least(self, version: NatNetVersion) -> int:
         """Sum over its fields."""
-        return sum(field.piece.least(version) for field in self.fields if field.there(version))
+        if version not in self._leasts:
+            there = (field.piece for field in self.fields if field.there(version))
+            self._leasts[version] = sum(piece.least(version) for piece in there)
+        return self._leasts[version]
 
     def read(self, reader: Reader) -> Any:
         """Read the fields that the version has."""

@@ -73,8 +73,8 @@ class NatNetServer:
     def __init__(self, settings: ServerSettings, models: ModelDef) -> None:
         self.settings, self._models, self._changed = settings, models, False
         self._clients: dict[Address, _Client] = {}
-        clock = HostClock()
-        self._socket = DatagramSocket(Address(settings.interface, settings.command_port), clock)
+        self._clock = HostClock()
+        self._socket = DatagramSocket(Address(settings.interface, settings.command_port), self._clock)
         if settings.transport is Transport.MULTICAST:
             self._socket.send_multicast_from(settings.interface)
 
@@ -106,11 +106,14 @@ class NatNetServer:
 
     def poll(self, now_ticks: int) -> None:
         """Answer everything that was asked; ``now_ticks`` is its clock now. Returns at once."""
+        called_ns = self._clock.now_ns()
         for _ in range(MOST_AT_ONCE):
             datagram = self._socket.receive()
             if datagram is None:
                 break
-            self._answer(datagram, now_ticks)
+            # A question that came after the call must not be answered with a time before it.
+            since_ns = self._clock.now_ns() - called_ns
+            self._answer(datagram, now_ticks + since_ns * self.settings.clock_hz // 10**9)
         longest = SILENT_S * self.settings.clock_hz
         self._clients = {
             address: client for address, client in self._clients.items() if now_ticks - client.heard_ticks < longest

@@ -1,13 +1,12 @@
 """Versions of the NatNet bitstream: what a packet holds depends on it."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from slidepipe.errors import PacketError
 
 
-@dataclass(frozen=True, slots=True, order=True)
-class NatNetVersion:
-    """Major and minor number of a bitstream.
+class NatNetVersion(NamedTuple):
+    """Major and minor number of a bitstream; a tuple, as it is compared with in every field that is read.
 
     Examples
     --------

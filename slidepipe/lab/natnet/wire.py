@@ -192,11 +192,10 @@ class Many(Piece):
 
         The stated size is not held against the pieces, only against the packet: the end of the packet tells more.
         """
-        if not self._states_size(reader.version):
-            return self.item.read_many(reader, reader.count(self.item.least(reader.version)))
         count = reader.count(self.item.least(reader.version))
-        reader.count(1)
-        return self.item.read_many(reader, count)
+        if self._states_size(reader.version):
+            reader.count(1)
+        return self.item.read_many(reader, count) if count else ()
 
     def write(self, out: bytearray, value: tuple[Any, ...], version: NatNetVersion) -> None:
         """Append the count, the size and the pieces."""

@@ -16,6 +16,7 @@ from slidepipe.lab.host_clock import HostClock
 from slidepipe.lab.natnet import messages as m
 from slidepipe.lab.natnet.client import NatNetClient
 from slidepipe.lab.natnet.codec import encode
+from slidepipe.lab.natnet.connection import MOST_AT_ONCE
 from slidepipe.lab.natnet.models import ModelDef, RigidBodyModel
 from slidepipe.lab.natnet.server import NatNetServer
 from slidepipe.lab.natnet.settings import NatNetSettings, TrackedBody, Transport
@@ -24,6 +25,8 @@ from slidepipe.lab.protocols import MocapFrame, MotionCapture
 
 UNIT = (0.0, 0.0, 0.0, 1.0)
 AS_IT_IS = CameraFrame(UpAxis.Z)
+SLACK_NS = 20_000_000
+"""A busy machine may stop the server's thread between reading its clock and answering."""
 VERSIONS = [NatNetVersion.parse(text) for text in ("2.5", "2.9", "3.0", "3.1", "4.0", "4.1")]
 
 
@@ -79,9 +82,8 @@ def test_stamps_are_of_arrival_and_clocks_agree() -> None:
         late_ns = clock.now_ns()
         (arrived,) = taken(client, 1)
         assert before_ns <= arrived.received_ns < late_ns, "the kernel's stamp, not the time of reading"
-        trip_ns = client.camera_clock.round_trip_ns
         told_ns = client.camera_clock.host_ns(frame.exposure_ticks)
-        assert before_ns - trip_ns <= told_ns <= after_ns + trip_ns
+        assert before_ns - SLACK_NS <= told_ns <= after_ns + SLACK_NS
 
 
 def test_echoes_do_not_wait_and_are_told_once() -> None:
@@ -192,6 +194,24 @@ def test_models_that_change_are_asked_for_again() -> None:
         stage.publish(hand(), block())
         assert taken(client, 1)[0].hand is None
         assert client.counts.model_changes == 2
+
+
+def test_a_server_that_goes_on_saying_so_is_asked_once() -> None:
+    with playing() as stage, NatNetClient(towards(stage), HostClock()) as client:
+        for _ in range(3):
+            stage.publish(hand(), block(), params=int(m.FrameFlags.MODELS_CHANGED))
+            taken(client, 1)
+        assert client.counts.model_changes == 1
+
+
+def test_a_flood_is_taken_in_pieces() -> None:
+    with playing() as stage, NatNetClient(towards(stage), HostClock()) as client:
+        for _ in range(100):
+            stage.publish(hand(), block())
+        first = client.take()
+        assert 0 < len(first) <= 2 * MOST_AT_ONCE
+        assert [frame.frame for frame in first + taken(client, 100 - len(first))] == list(range(1, 101))
+        assert client.counts.frames.missing == 0
 
 
 def test_axes_and_frames() -> None:

@@ -3,6 +3,7 @@
 import os
 import platform
 from contextlib import suppress
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, ClassVar
@@ -17,9 +18,11 @@ from slidepipe.artifacts.values import Count, RunId, Slug
 OWNER = ".owner.yaml"
 _BEFORE_S = 2.0
 """A process that began this much after the run did is another one with the same number."""
+_DEAD = ("Z", "X")
+"""States of a process that has died and whose parent has not noticed yet."""
 
 
-class OwnerDocument(Artifact):
+class DraftDocument(Artifact):
     """What stands beside the files of a run in the making; ``roles`` by the name of the file."""
 
     SCHEMA: ClassVar[str] = "slidepipe.draft"
@@ -55,11 +58,13 @@ class OwnerDocument(Artifact):
             return True
         except PermissionError:
             pass
-        began_s = _began_s(self.pid)
-        return began_s is not None and began_s > self.begun_at.timestamp() + _BEFORE_S
+        now = _look_up(self.pid)
+        if now is None:  # the system does not tell more
+            return False
+        return now.state in _DEAD or now.began_s > self.begun_at.timestamp() + _BEFORE_S
 
 
-def read_owner(staging: Path) -> OwnerDocument:
+def read_draft(staging: Path) -> DraftDocument:
     """Read who makes the run in a staging directory.
 
     Raises
@@ -69,21 +74,27 @@ def read_owner(staging: Path) -> OwnerDocument:
     InputError
         It is damaged.
     """
-    return parse(OwnerDocument, load(staging / OWNER))
+    return parse(DraftDocument, load(staging / OWNER))
 
 
-def write_owner(staging: Path, owner: OwnerDocument) -> None:
+def write_draft(staging: Path, draft: DraftDocument) -> None:
     """Say who makes the run, in place of what was said before."""
     made = staging / f"{OWNER}.new"
-    made.write_text(dump_model(owner), encoding="utf-8")
+    made.write_text(dump_model(draft), encoding="utf-8")
     made.replace(staging / OWNER)
 
 
-def _began_s(pid: int) -> float | None:
-    """When a process began, in seconds since 1970; None where the system does not tell."""
+@dataclass(frozen=True, slots=True)
+class _Process:
+    state: str
+    began_s: float
+
+
+def _look_up(pid: int) -> _Process | None:
+    """State of a process and when it began, in seconds since 1970; None where the system does not tell."""
     with suppress(OSError, ValueError, IndexError, StopIteration):
         fields = Path(f"/proc/{pid}/stat").read_text(encoding="ascii", errors="replace").rpartition(")")[2].split()
         lines = Path("/proc/stat").read_text(encoding="ascii").splitlines()
         boot_s = next(float(line.split()[1]) for line in lines if line.startswith("btime "))
-        return boot_s + int(fields[19]) / os.sysconf("SC_CLK_TCK")
+        return _Process(fields[0], boot_s + int(fields[19]) / os.sysconf("SC_CLK_TCK"))
     return None
