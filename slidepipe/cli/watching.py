@@ -103,8 +103,10 @@ class _Bar:
         self._progress.start()
 
     def show(self, progress: "Progress") -> None:
-        elapsed_s = progress.time_s - self._time_s
-        rate = (progress.frames - self._frames) / elapsed_s if elapsed_s > 0.0 else 0.0
+        elapsed_s, begun = progress.time_s - self._time_s, self._time_s > 0.0
+        if elapsed_s <= 0.0:
+            return
+        rate = (progress.frames - self._frames) / elapsed_s if begun else 0.0
         self._frames, self._time_s = progress.frames, progress.time_s
         self._progress.update(
             self._task,

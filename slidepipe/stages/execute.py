@@ -113,12 +113,16 @@ def _experiment(path: Path, overrides: tuple[str, ...]) -> Experiment:
 
 
 def _true_start(plan: PlanDocument, store: Store) -> FloatArray:
-    """Where the block really is: where the trial before left it, else where the experiment puts it."""
+    """Where the block really is: where the trial before left it, if that is known, else where the plan begins."""
     if plan.previous_estimate is None:
         return vector(plan.start_relative_pose)
     estimate = store.get(plan.previous_estimate)
-    trial = next(one.run for one in estimate.manifest.inputs if one.role == RECORDING and one.run is not None)
-    truth = parse(TruthDocument, load(store.get(trial).file(TRUTH)))
+    trial = store.get(
+        next(one.run for one in estimate.manifest.inputs if one.role == RECORDING and one.run is not None)
+    )
+    if TRUTH not in {output.role for output in trial.manifest.outputs}:
+        return vector(plan.start_relative_pose)
+    truth = parse(TruthDocument, load(trial.file(TRUTH)))
     return vector(truth.final_relative_pose)
 
 
