@@ -154,7 +154,7 @@ def until(done: Callable[[], bool]) -> None:
 
 
 def test_nobody_there_is_told_in_time_and_nothing_is_kept_waiting(scene: Scene, tmp_path: Path) -> None:
-    lab = lab_file(tmp_path, connect_s__5="connect_s: 0.5")
+    lab = lab_file(tmp_path, **{"connect_s__5.0": "connect_s: 0.5"})
     begun = time.monotonic()
     with pytest.raises(LabError, match=r"^127\.0\.0\.1:\d+: no answer|^arm: nothing heard of it for 0.5 s"):
         execute.run(execute.ExecuteRequest(scene.plan.run.id, scene.store, lab=real(lab)))
@@ -178,7 +178,7 @@ def test_without_leave_nothing_moves_and_a_check_says_what_is_there(scene: Scene
 
 
 def test_a_check_of_nothing_tells_both(tmp_path: Path) -> None:
-    found = lab_check.run(str(lab_file(tmp_path, connect_s__5="connect_s: 0.3")), 0.1)
+    found = lab_check.run(str(lab_file(tmp_path, **{"connect_s__5.0": "connect_s: 0.3"})), 0.1)
     assert not found.sound
     assert [(fact.about, fact.name) for fact in found.facts] == [("arm", "error"), ("cameras", "error")]
 
