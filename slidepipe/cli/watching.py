@@ -38,7 +38,7 @@ def watched(lab: str | None, *, yes: bool, beside: Path | None = None) -> "Itera
 
     person = _Person(yes=yes)
     try:
-        yield RealLab(lab, person.confirm, person.linked, person.progress, beside or EXPERIMENTS)
+        yield RealLab(lab, person.confirm, None if yes else person.linked, person.progress, beside or EXPERIMENTS)
     finally:
         person.close()
 
@@ -58,8 +58,7 @@ class _Person:
         return self._yes or click.confirm("Move the arm?", err=True)
 
     def linked(self, found: "Readiness") -> None:  # noqa: ARG002  # the shape of the call
-        if not self._yes:
-            click.prompt("Link the arm at its console, then press Enter", default="", show_default=False, err=True)
+        click.prompt("Link the arm at its console, then press Enter", default="", show_default=False, err=True)
 
     def progress(self, progress: "Progress") -> None:
         if not sys.stderr.isatty():

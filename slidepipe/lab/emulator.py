@@ -9,7 +9,7 @@ import numpy as np
 from slidepipe.lab.arm_program import ArmProgram
 from slidepipe.lab.faults import STRETCH, Channel, FaultClock, FaultKind
 from slidepipe.lab.protocols import ClockExchange, JointCommand, JointState, MocapFrame
-from slidepipe.lab.simulated import HOST_START_NS, SimulatedLab
+from slidepipe.lab.simulated import SimulatedLab
 
 
 class Outlet(Protocol):
@@ -124,6 +124,3 @@ class MemoryCameras:
     def echo(self) -> ClockExchange:
         """Ask the cameras for their clock."""
         return self.lab.echo()
-
-
-__all__ = ["HOST_START_NS", "Emulator", "MemoryCameras", "Outlet"]

@@ -39,10 +39,9 @@ class FaultKind(Enum):
     STALL = "stall"
     """For how long the arm stays where it is, s."""
     UNLINK = "unlink"
-    """For how long no datagram gets through to the arm or from it, s."""
+    """For how long no datagram gets through at all, s."""
 
 
-LONGEST_SHARE = 1.0
 SHARES = frozenset(
     {
         FaultKind.LOSS,
@@ -56,6 +55,7 @@ SHARES = frozenset(
 SPELLS = frozenset({FaultKind.FREEZE, FaultKind.STALL, FaultKind.UNLINK})
 """Faults whose strength is how long they last."""
 STRETCH = 20
+"""Frames in which the bodies stay swapped."""
 LATE_NS = round(2.5 * TICK_NS)
 
 
@@ -68,7 +68,7 @@ class Fault:
     start_s: float = 0.0
 
     def __post_init__(self) -> None:
-        top = LONGEST_SHARE if self.kind in SHARES else FOREVER_S
+        top = 1.0 if self.kind in SHARES else FOREVER_S
         if not 0.0 <= self.strength <= top:
             raise InputError(f"fault {self.kind.value}: its strength must be from 0 to {top:g}, got {self.strength!r}")
         if not self.start_s >= 0.0:

@@ -10,6 +10,7 @@ from slidepipe.errors import LabError
 from slidepipe.lab.clock import TICK_NS, RealClock
 from slidepipe.lab.link import LinkedArm
 from slidepipe.lab.natnet.client import NatNetClient
+from slidepipe.lab.natnet.messages import ServerInfo
 from slidepipe.lab.protocols import MocapFrame
 from slidepipe.lab.transport import UdpTransport
 from slidepipe.lab.wam_codec import CODECS
@@ -110,7 +111,7 @@ def _cameras(lab: LabDocument, listen_s: float) -> list[tuple[str, str, bool]]:
     server_version = ".".join(str(part) for part in info.application_version)
     return [
         ("server", f"{info.name} {server_version}, NatNet {version}", True),
-        ("clock", f"{client_rate(info)} ticks/s, offset {offset_s}, round trip {_ms(round_trip_ns)}", True),
+        ("clock", f"{_rate(info)} ticks/s, offset {offset_s}, round trip {_ms(round_trip_ns)}", True),
         (
             "frames",
             f"{rate_hz:.0f} a second, {counts.frames.missing} missing",
@@ -123,10 +124,8 @@ def _cameras(lab: LabDocument, listen_s: float) -> list[tuple[str, str, bool]]:
     ]
 
 
-def client_rate(info: object) -> str:
-    """Rate of the server's clock as a person reads it."""
-    stream = getattr(info, "stream", None)
-    return "-" if stream is None else f"{stream.clock_hz:,}"
+def _rate(info: ServerInfo) -> str:
+    return "-" if info.stream is None else f"{info.stream.clock_hz:,}"
 
 
 def _offset_s(client: NatNetClient, clock: RealClock) -> str:

@@ -1,7 +1,7 @@
 """Execution on a lab over the network: checked before anything moves, streamed, and told as a trial."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -57,8 +57,9 @@ class RealLab:
         Path of a lab file, or a name in ``labs`` beside the experiments.
     confirm : Callable
         Whether the arm may move.
-    linked : Callable
-        Returns when a person has linked the arm, where its program does not tell.
+    linked : Callable, optional
+        Returns when a person has linked the arm, where its program does not tell; without one, the lab file's
+        ``link_wait_s`` has to do.
     progress : Callable
         Told ten times a second.
     beside : Path
@@ -67,7 +68,7 @@ class RealLab:
 
     name: str
     confirm: Callable[[Question], bool]
-    linked: Callable[[Readiness], None]
+    linked: Callable[[Readiness], None] | None
     progress: Callable[[Progress], None]
     beside: Path = EXPERIMENTS
 
@@ -98,7 +99,10 @@ def stream_plan(draft: Draft, plan_run: Run, experiment: Experiment, real: RealL
         "lab.yaml": dump_model(lab).encode(),
     }
     path = draft.add(RECORDING, RECORDING_FILE)
-    job = StreamJob(lab_settings(lab, experiment), reference, path, provenance, attachments)
+    settings = lab_settings(lab, experiment)
+    if real.linked is not None:
+        settings = replace(settings, link_wait_s=0.0)
+    job = StreamJob(settings, reference, path, provenance, attachments)
     watch = Watch(lambda found: real.confirm(Question(lab, checks, found)), real.linked, real.progress)
     outcome = stream(job, watch)
     if outcome.recording.fault is not None:

@@ -22,14 +22,14 @@ class Watch:
     ----------
     confirm : Callable
         Whether the arm may move, given what was found.
-    linked : Callable
+    linked : Callable, optional
         Returns when a person has linked the arm; called where its program does not tell, and nothing moves until then.
     progress : Callable
         Told ten times a second.
     """
 
     confirm: Callable[[Readiness], bool]
-    linked: Callable[[Readiness], None]
+    linked: Callable[[Readiness], None] | None
     progress: Callable[[Progress], None]
 
 
@@ -68,7 +68,7 @@ def _attend(pipe: Connection, desk: WatchDesk, watch: Watch) -> StreamOutcome:
     pipe.send("go")
     patience_s = found.course_s + MARGIN_S
     try:
-        if not found.tells_linked:
+        if not found.tells_linked and watch.linked is not None:
             watch.linked(found)
         desk.let_go()
     except KeyboardInterrupt:

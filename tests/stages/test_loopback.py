@@ -53,7 +53,7 @@ def scene(tmp_path_factory: pytest.TempPathFactory, experiments: Path) -> Scene:
 
 
 def real(lab: Path, *, yes: bool = True) -> RealLab:
-    return RealLab(str(lab), lambda _: yes, lambda _: None, lambda _: None)
+    return RealLab(str(lab), lambda _: yes, None, lambda _: None)
 
 
 def kept_time(document: TrialDocument, report: dict[str, object]) -> str | None:
@@ -124,7 +124,7 @@ def test_a_laboratory_that_dies_ends_the_trial_in_time(scene: Scene, tmp_path: P
             if progress.phase is Phase.APPROACH:
                 served.process.kill()
 
-        told = RealLab(str(lab), lambda _: True, lambda _: None, die)
+        told = RealLab(str(lab), lambda _: True, None, die)
         done = execute.run(execute.ExecuteRequest(scene.plan.run.id, scene.store, lab=told))
     assert done.document.stopped is not None
     assert done.document.stopped.startswith("link lost: nothing heard of the arm for ")
