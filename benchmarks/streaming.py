@@ -24,7 +24,7 @@ import numpy as np
 from support.lab_player import play
 
 from slidepipe.arm import wam
-from slidepipe.lab.clock import Beat, RealClock
+from slidepipe.lab.clock import SPIN_NS, Beat, RealClock
 from slidepipe.lab.course import Course, Leg, Phase
 from slidepipe.lab.link import LinkedArm
 from slidepipe.lab.loop import Lab, LoopSettings, run
@@ -91,7 +91,7 @@ def measure(seconds: float, *, busy: bool) -> Figures:
 
 
 def _stream(seconds: float, cyclictest: "_Cyclictest") -> Figures:
-    clock, codec = RealClock(), CODECS["bridge"]
+    clock, codec = RealClock(SPIN_NS), CODECS["bridge"]
     course = Course.of([Leg.hold(Phase.MOTION, HOME, seconds)])
     with (
         closing(UdpTransport(OURS, THEIRS)) as transport,
@@ -107,22 +107,23 @@ def _stream(seconds: float, cyclictest: "_Cyclictest") -> Figures:
             os.sched_setaffinity(recorder.pid, CORES)
             guard = Guard(_no_limits())
             lab = Lab(arm, cameras, recorder.recorder, beat, guard, settings=LoopSettings())
-            cameras.take()
-            arm.listen_anew()
-            guard.begin(clock.now_ns())
-            before, loop_before = _cpu_s(recorder.pid), time.process_time()
             with realtime(PRIORITY) as refused:
                 cyclictest.begin()
+                before, loop_before = _cpu_s(recorder.pid), time.process_time()
+                cameras.take()
+                arm.listen_anew()
+                missing = cameras.counts.frames.missing
+                guard.begin(clock.now_ns())
                 run(course, lab)
             loop_s, recorder_s = time.process_time() - loop_before, _cpu_s(recorder.pid) - before
             report = recorder.close()
-        frames = cameras.counts.frames
+        frames_missing = cameras.counts.frames.missing - missing
     return Figures(
         late_us=1e-3 * beat.lateness_ns,
         cyclictest_p99_us=cyclictest.p99_us(),
         loop_cpu_share=loop_s / seconds,
         recorder_cpu_share=recorder_s / seconds,
-        lost_messages=arm.counts.lost + frames.missing + sum(report.lost.values()),
+        lost_messages=arm.counts.lost + frames_missing + sum(report.lost.values()),
         not_permitted=refused,
     )
 

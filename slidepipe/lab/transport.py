@@ -8,6 +8,8 @@ from typing import Protocol
 from slidepipe.errors import LabError
 
 LARGEST = 65_535
+RECEIVE_BYTES = 1 << 20
+"""Asked for as the kernel's buffer, so that a process that is late loses nothing."""
 
 
 class Transport(Protocol):
@@ -51,6 +53,7 @@ class UdpTransport:
 
     def __init__(self, local: Address, remote: Address) -> None:
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BYTES)
         try:
             self._socket.bind((local.host, local.port))
             self._socket.connect((remote.host, remote.port))

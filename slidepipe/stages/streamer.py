@@ -16,7 +16,7 @@ import numpy as np
 
 from slidepipe.errors import LabError, SlidepipeError
 from slidepipe.lab.approach import there_and_back
-from slidepipe.lab.clock import TICK_NS, Beat, RealClock
+from slidepipe.lab.clock import SPIN_NS, TICK_NS, Beat, RealClock
 from slidepipe.lab.course import Course
 from slidepipe.lab.desk import StreamDesk
 from slidepipe.lab.link import LinkCounts, LinkedArm
@@ -109,7 +109,7 @@ def main(job: StreamJob, words: Any, pipe: Connection, parent: int) -> None:
 
 
 def _stream(job: StreamJob, desk: StreamDesk, pipe: Connection) -> StreamOutcome:
-    lab, clock = job.lab, RealClock()
+    lab, clock = job.lab, RealClock(SPIN_NS)
     codec = CODECS[lab.dialect]
     with closing(UdpTransport(lab.local, lab.remote)) as transport, NatNetClient(lab.cameras, clock) as cameras:
         beat = Beat(clock, LONGEST_S)
@@ -138,9 +138,9 @@ def _run(job: StreamJob, course: Course, streams: _Streams, desk: StreamDesk) ->
     recording = RecordingSetup(job.recording, job.provenance, job.attachments, cameras.ticks_per_s)
     with RecordingProcess(recording) as recorder:
         there = Lab(arm, cameras, recorder.recorder, beat, Guard(lab.safety), desk, lab.loop)
-        cameras.take()
-        arm.listen_anew()
         with realtime() as refused:
+            cameras.take()
+            arm.listen_anew()
             execution = run(course, there)
         now_ns, invalid = streams.clock.now_ns(), _why_invalid(execution, lab, recorder.lost)
         for line in (*refused, *cameras.take_notices(), *(() if invalid is None else (f"{INVALID}{invalid}",))):

@@ -9,7 +9,7 @@ from lab_setups import held_at
 
 from slidepipe.errors import LabError
 from slidepipe.lab.approach import MoveLimits, move
-from slidepipe.lab.clock import TICK_NS, Beat, RealClock, VirtualClock
+from slidepipe.lab.clock import SPIN_NS, TICK_NS, Beat, RealClock, VirtualClock
 from slidepipe.lab.course import Course, Leg, Phase
 from slidepipe.lab.link import LinkedArm
 from slidepipe.lab.loop import refuse_jump
@@ -139,7 +139,7 @@ def test_the_beat_stays_on_the_clock_and_leaves_out_what_has_passed() -> None:
 
 
 def test_the_real_clock_never_wakes_up_early() -> None:
-    clock = RealClock()
+    clock = RealClock(SPIN_NS)
     assert abs(clock.now_ns() - time.time_ns()) < 1_000_000_000
     for wait_ns in (-1_000_000, 0, 1_000_000, 3_000_000):
         deadline_ns = clock.now_ns() + wait_ns
