@@ -186,13 +186,18 @@ class RingReader:
     ring: Ring
 
     def replay(self, recorder: Recorder, most: int = SLOTS) -> int:
-        """Tell a recorder what the loop told the ring, the oldest first; returns how many records that were."""
+        """Tell a recorder what the loop told the ring, the oldest first; returns how many records that were.
+
+        Where the recorder raises, the record is gone, and the next call goes on with the one after it.
+        """
         ring, count = self.ring, min(self.ring.waiting, most)
         tail = int(ring.head[_TAIL])
         for place in range(tail, tail + count):
             at = place % len(ring.words)
-            _tell(recorder, ring.words[at], ring.numbers[at])
-            ring.head[_TAIL] = place + 1
+            try:
+                _tell(recorder, ring.words[at], ring.numbers[at])
+            finally:
+                ring.head[_TAIL] = place + 1
         return count
 
 

@@ -22,7 +22,7 @@ from typing import IO
 
 from slidepipe.artifacts.recording_writer import RecordingWriter
 from slidepipe.artifacts.recovery import recover_recording
-from slidepipe.errors import LabError, SlidepipeError
+from slidepipe.errors import LabError, SlidepipeError, StoreError
 from slidepipe.lab.ring import SLOTS, Ring, RingReader, RingRecorder
 from slidepipe.stages.recorder import TrialRecorder
 
@@ -146,10 +146,11 @@ class RecordingProcess:
 
         def rest(writer: RecordingWriter) -> None:
             recorder = TrialRecorder(writer, self._setup.ticks_per_s)
-            RingReader(self._ring).replay(recorder)
+            while self._ring.waiting:
+                _replay(RingReader(self._ring), recorder)
             recorder.event(recorder.latest_ns, fault, level="error")
 
-        with suppress(SlidepipeError):  # it died before it wrote anything: the report tells
+        with suppress(SlidepipeError, OSError):  # it died before it wrote anything: the report tells
             recover_recording(self._setup.path, rest)
 
     @staticmethod
@@ -197,7 +198,10 @@ def main() -> int:
     for one in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(one, signal.SIG_IGN)
     _be_ordinary()
-    ring, parent, setup = Ring(int(sys.argv[1])), int(sys.argv[2]), _read_setup(sys.stdin.readline())
+    ring, parent, line = Ring(int(sys.argv[1])), int(sys.argv[2]), sys.stdin.readline()
+    if not line:  # the loop's process is gone already
+        return 1
+    setup = _read_setup(line)
     try:
         writer = RecordingWriter(setup.path, setup.provenance, setup.attachments)
     except Exception as error:  # noqa: BLE001  # whatever it is, the loop's process shall hear of it
@@ -216,13 +220,22 @@ def _be_ordinary() -> None:
         os.sched_setaffinity(0, range(os.cpu_count() or 1))
 
 
+def _replay(reader: RingReader, recorder: TrialRecorder) -> int:
+    """Write what is there; a record that cannot be written, such as one that is not finite, is told as an event."""
+    try:
+        return reader.replay(recorder)
+    except StoreError as error:
+        recorder.event(recorder.latest_ns, f"not recorded: {error}", level="error")
+        return 1
+
+
 def _record(ring: Ring, writer: RecordingWriter, ticks_per_s: float, parent: int) -> str:
     """Write what comes until nothing more will; returns how it ended."""
     reader, recorder = RingReader(ring), TrialRecorder(writer, ticks_per_s)
     told, held_since = 0, None
     while True:
         over, orphaned = ring.closed, os.getppid() != parent
-        count = reader.replay(recorder)
+        count = _replay(reader, recorder)
         lost = sum(ring.dropped.values())
         if lost > told:
             recorder.event(recorder.latest_ns, f"{lost - told} records were lost: the ring was full", level="error")

@@ -23,6 +23,7 @@ from slidepipe.artifacts.mcap_scan import scan
 from slidepipe.artifacts.recording import read_recording
 from slidepipe.artifacts.store import Store
 from slidepipe.errors import BusyError, InputError, LabError
+from slidepipe.lab.protocols import JointCommand, JointState
 from slidepipe.series import StreamStatistics
 from slidepipe.stages import recover
 from slidepipe.stages.recording_process import RecordingProcess, RecordingSetup
@@ -80,6 +81,22 @@ def test_overflow_is_told_in_the_report_and_in_the_file(tmp_path: Path) -> None:
     assert len(recording.ticks().late_ns) == 16
     (event,) = recording.events()
     assert (event.level, event.message) == ("error", "14 records were lost: the ring was full")
+
+
+def test_a_record_that_is_not_finite_is_told_and_hurts_no_other(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    numbers = np.zeros((6, 7))
+    numbers[5, 2] = np.nan
+    with RecordingProcess(setup(path)) as process:
+        recording_by_hand.say(process, 0, 10**9)
+        process.recorder.joints(JointCommand(*numbers[:3]), JointState(2 * 10**9, *numbers[3:]))
+        recording_by_hand.say(process, 1, 3 * 10**9)
+    assert process.close().fault is None
+    recording = read_recording(path)
+    assert recording.joints(topics.MEASURED).stamp_ns.tolist() == [10**9, 3 * 10**9]
+    (event,) = recording.events()
+    assert event.level == "error"
+    assert event.message.startswith(f"not recorded: {path}: /joints/measured: numbers must be finite")
 
 
 def test_a_recorder_that_cannot_begin_says_why(tmp_path: Path) -> None:

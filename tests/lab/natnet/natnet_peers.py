@@ -13,7 +13,7 @@ import sys
 import threading
 import time
 
-PATIENCE_S = 5.0
+PATIENCE_S = 20.0
 Bodies = dict[str, list[float]]
 """Position and quaternion x y z w of each body, by its number."""
 

@@ -68,7 +68,7 @@ def test_a_client_of_others_receives_the_poses(name: str, transport: Transport, 
         publisher.start()
         ports = (stage.server.address.port, stage.server.settings.data_port)
         command = [sys.executable, natnet_peers.__file__, name, transport.value, *map(str, ports), str(FRAMES)]
-        patience_s = 6 * natnet_peers.PATIENCE_S
+        patience_s = 3 * natnet_peers.PATIENCE_S
         try:
             done = subprocess.run(command, capture_output=True, text=True, timeout=patience_s, check=False)  # noqa: S603
         finally:
