@@ -33,7 +33,8 @@ CASES = [
 
 
 def missing(name: str) -> bool:
-    return importlib.util.find_spec(name) is None
+    spec = importlib.util.find_spec(name)
+    return spec is None or spec.origin is None  # a directory of this name, such as ours, is no package
 
 
 @contextmanager
