@@ -4,13 +4,15 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
 DEV    := $(VENV)/.installed-dev
-PEERS  := $(VENV)/.installed-bench
+BENCH  := $(VENV)/.installed-bench
+
+PEERS  := tests/lab/natnet/test_natnet_peers.py tests/artifacts/test_recording_peers.py
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench real-data recorded clean
+.PHONY: help demo test check check-peers bench real-data recorded clean
 
 help:  ## list the targets
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
@@ -23,7 +25,7 @@ $(DEV): pyproject.toml | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
 	@touch $@ $(STAMP)
 
-$(PEERS): pyproject.toml | $(BIN)/python
+$(BENCH): pyproject.toml | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
 	@touch $@ $(STAMP)
 
@@ -39,7 +41,16 @@ check: $(DEV)  ## lint, types and layers
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: $(PEERS)  ## install the peers, then measure speed and accuracy against them
+check-peers: $(DEV)  ## install NatNet clients and MCAP readers that others wrote, and test against them
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,peers]'
+	if command -v npm > /dev/null; then \
+	  npm install --silent --ignore-scripts --no-fund --no-audit --prefix build/peers @mcap/core@2 @mcap/support@1 \
+	    || echo "npm cannot install @mcap/core: its test is skipped"; fi
+	$(BIN)/python -m pytest -rs $(PEERS)
+
+bench: $(BENCH)  ## install the peers, then measure speed and accuracy against them
+	@command -v cyclictest >/dev/null || apt-get install --yes --quiet rt-tests >/dev/null 2>&1 \
+	  || echo "bench: cyclictest is missing and cannot be installed here: apt-get install rt-tests"
 	for benchmark in benchmarks/*.py; do echo "== $$benchmark"; $(BIN)/python $$benchmark || exit 1; done
 
 real-data: $(STAMP)  ## judge the estimators on public recordings, and write docs/real-data.md again

@@ -9,6 +9,7 @@
     │   └── NewerSchemaError    written by a newer slidepipe
     ├── BusyError           another process holds what is needed                 exit code 6
     ├── LabError            the arm, the gripper or the cameras failed           exit code 7
+    │   └── PacketError         bytes from the wire that are no packet
     └── RefusedError        it was computed and the answer is no                 exit code 1
         ├── InfeasibleError     no motion within the limits: names them
         └── EstimationError     the recording does not tell what was asked
@@ -47,6 +48,10 @@ class BusyError(SlidepipeError):
 
 class LabError(SlidepipeError):
     """The arm, the gripper or the cameras failed."""
+
+
+class PacketError(LabError):
+    """Bytes that came over the wire are not the packet that they should be."""
 
 
 class RefusedError(SlidepipeError):

@@ -85,3 +85,41 @@ class MocapSeries:
     hand: PoseSeries
     object: PoseSeries
     clock: ClockSync
+
+
+@dataclass(frozen=True, slots=True)
+class TickSeries:
+    """Ticks of the loop: when each was due on the host's clock, and how late it began, (T,) ns."""
+
+    stamp_ns: IntArray
+    late_ns: IntArray
+
+
+@dataclass(frozen=True, slots=True)
+class StreamStatistics:
+    """What became of everything that came over the wires, counted since the trial began, at ``stamp_ns``.
+
+    Attributes
+    ----------
+    frames_taken, frames_missing : int
+        Camera frames that were new, and frame numbers that never came.
+    frames_repeated, frames_late, frames_frozen : int
+        Camera frames that came twice, after a newer one, or with an old exposure.
+    datagrams_malformed, datagrams_foreign : int
+        Datagrams that are no packets, or that nobody in the lab sent.
+    echoes_lost : int
+        Echoes without an answer.
+    records_lost : int
+        What the recorder had no room for.
+    """
+
+    stamp_ns: int
+    frames_taken: int = 0
+    frames_missing: int = 0
+    frames_repeated: int = 0
+    frames_late: int = 0
+    frames_frozen: int = 0
+    datagrams_malformed: int = 0
+    datagrams_foreign: int = 0
+    echoes_lost: int = 0
+    records_lost: int = 0

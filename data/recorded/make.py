@@ -11,6 +11,8 @@ from pathlib import Path
 
 from slidepipe.artifacts.store import Store
 from slidepipe.stages import execute, plan
+from slidepipe.stages.trial_facts import RECORDING
+from slidepipe.stages.trial_files import TRUE_POSES, TRUTH
 
 HERE = Path(__file__).resolve().parent
 EXPERIMENTS = HERE.parents[1] / "experiments"
@@ -61,7 +63,7 @@ def record(recipe: Recipe, store: Store) -> None:
     done = execute.run(execute.ExecuteRequest(planned.run.id, store))
     folder = HERE / recipe.name
     folder.mkdir(exist_ok=True)
-    for role in (execute.RECORDING, execute.TRUTH, execute.TRUE_POSES):
+    for role in (RECORDING, TRUTH, TRUE_POSES):
         shutil.copy(done.run.file(role), folder)
 
 

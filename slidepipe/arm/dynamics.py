@@ -44,7 +44,7 @@ def arm_load(model: mujoco.MjModel, path: JointPath) -> ArmLoad:
     middle = _inverse_dynamics(model, data, middle_q, middle_dq, ddq) + _friction(middle_dq)
     feedforward = middle - _inverse_dynamics(model, data, middle_q, still, still)
     feedforward[-1] = 0.0
-    return ArmLoad(torque, feedforward, _elbow_speed(model, data, q, dq))
+    return ArmLoad(torque, feedforward, elbow_speed(model, q, dq))
 
 
 def _inverse_dynamics(
@@ -63,8 +63,9 @@ def _friction(dq: FloatArray) -> FloatArray:
     return np.asarray(dry + np.array(wam.VISCOUS_FRICTION) * dq)
 
 
-def _elbow_speed(model: mujoco.MjModel, data: mujoco.MjData, q: FloatArray, dq: FloatArray) -> FloatArray:
-    jacobian, site = np.empty((3, model.nv)), model.site(ELBOW).id
+def elbow_speed(model: mujoco.MjModel, q: FloatArray, dq: FloatArray) -> FloatArray:
+    """Speed (T,) of the point where the vendor's safety module measures, m/s, for joint angles and speeds (T, 7)."""
+    data, jacobian, site = mujoco.MjData(model), np.empty((3, model.nv)), model.site(ELBOW).id
     speed = np.empty(len(q))
     for index in range(len(q)):
         data.qpos[:] = q[index]

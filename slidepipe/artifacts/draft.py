@@ -11,16 +11,16 @@ from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
 
+from slidepipe.artifacts.draft_document import OWNER, DraftDocument, write_draft
 from slidepipe.artifacts.durable import sync
 from slidepipe.artifacts.entry import MANIFEST, SEAL
 from slidepipe.artifacts.manifest import ErrorNote, InputRef, Manifest, OutputRef, Result, RunState, Times
-from slidepipe.artifacts.owner import OWNER
 from slidepipe.artifacts.provenance import code_state, environment, recipe_of, sha256_of
 from slidepipe.artifacts.run import Run
 from slidepipe.artifacts.run_id import STAGING, new_run_id
 from slidepipe.artifacts.schema import dump_model, parse
 from slidepipe.artifacts.seal import seal_of
-from slidepipe.artifacts.strict_yaml import dump, loads
+from slidepipe.artifacts.strict_yaml import loads
 from slidepipe.errors import InputError, StoreError
 
 _PATCH = "diff.patch"
@@ -114,6 +114,8 @@ class Draft:
         if role in self._roles.values() or name in self._roles:
             raise StoreError(f"run {self.run_id}: {role} and {name}: each role is for one file")
         self._roles[name] = role
+        if self.staging.is_dir():
+            self._write_draft()
         return path
 
     def report(self, name: str, value: float, *, std: float | None = None, unit: str) -> None:
@@ -124,8 +126,9 @@ class Draft:
 
     def __enter__(self) -> "Draft":
         self._make_staging()
-        owner = {"pid": os.getpid(), "host": platform.node(), "begun": _instant(self.begun)}
-        (self.staging / OWNER).write_text(dump(owner), encoding="utf-8")
+        self._write_draft()
+        if code_state().patch:
+            (self.staging / _PATCH).write_bytes(code_state().patch)
         return self
 
     def __exit__(
@@ -161,14 +164,32 @@ class Draft:
         except OSError as error:
             raise StoreError(f"{self.staging}: cannot be made: {error.strerror}") from None
 
+    def _write_draft(self) -> None:
+        """Say who makes this run, and of what: should the process be killed, it can be published all the same."""
+        asked = self.request
+        document = DraftDocument(
+            run=self.run_id,
+            pid=os.getpid(),
+            host=platform.node(),
+            begun=_instant(self.begun),
+            stage=asked.stage,
+            stage_version=asked.stage_version,
+            experiment=asked.experiment,
+            seed=asked.seed,
+            parameters=dict(asked.parameters),
+            inputs=tuple(asked.inputs),
+            command=tuple(asked.command),
+            roles=dict(self._roles),
+            code=code_state().code,
+            environment=environment(),
+        )
+        write_draft(self.staging, document)
+
     def _fail(self, error: BaseException) -> None:
         self.state = RunState.FAILED if isinstance(error, Exception) else RunState.INTERRUPTED
         self._publish(ErrorNote(type=type(error).__name__, message=str(error)))
 
     def _publish(self, note: ErrorNote | None) -> None:
-        patch = code_state().patch
-        if patch:
-            (self.staging / _PATCH).write_bytes(patch)
         text = dump_model(self._manifest(note))
         manifest = parse(Manifest, loads(text, str(self.final / MANIFEST)))
         self.prepare()
@@ -205,7 +226,7 @@ class Draft:
         return next((name for name in self._roles if not (self.staging / name).is_file()), None)
 
     def _files(self) -> list[Path]:
-        return sorted(path for path in self.staging.iterdir() if path.is_file() and path.name != OWNER)
+        return sorted(path for path in self.staging.iterdir() if path.is_file() and not path.name.startswith("."))
 
     def _outputs(self) -> Iterator[OutputRef]:
         """Files in the order in which they got their roles, then those that got none."""

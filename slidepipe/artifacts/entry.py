@@ -5,7 +5,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from slidepipe.artifacts.manifest import Manifest
+
 
 MANIFEST, SEAL = "run.yaml", "run.sha256"
 HEADER = b"schema: slidepipe.run/1\n"
@@ -107,10 +111,14 @@ def _validated_entry(directory: Path) -> Entry | None:
         run = read_run(directory)
     except (NotFoundError, StoreError) as error:
         return Entry(run=directory.name, directory=directory, fault=str(error)) if directory.exists() else None
-    told = run.manifest
     if run.id != directory.name:
         fault = f"{directory / MANIFEST}: run: must be {directory.name} as its directory, got {run.id}"
         return Entry(run=directory.name, directory=directory, fault=fault)
+    return entry_of(run.manifest, directory)
+
+
+def entry_of(told: "Manifest", directory: Path) -> Entry:
+    """Entry of a run by its manifest."""
     return Entry(
         run=told.run,
         directory=directory,

@@ -11,12 +11,13 @@ from datetime import datetime
 from pathlib import Path
 
 from slidepipe.artifacts.ancestry import ancestry
+from slidepipe.artifacts.draft_document import read_draft
 from slidepipe.artifacts.manifest import RunState
-from slidepipe.artifacts.owner import is_dead, read_owner
 from slidepipe.artifacts.query import Query
 from slidepipe.artifacts.run import Run
 from slidepipe.artifacts.store import Store
 from slidepipe.artifacts.trash import Trash
+from slidepipe.errors import SlidepipeError
 
 ENDED = (RunState.COMPLETE, RunState.LOST)
 TRIAL = "execute"
@@ -95,8 +96,16 @@ def _drafts(store: Store, before: datetime) -> Iterator[Garbage]:
             old = staging.stat().st_mtime < before.timestamp()
         except FileNotFoundError:  # published meanwhile
             continue
-        if old and is_dead(read_owner(staging)) and not any(staging.glob(RECORDINGS)):
+        if old and _left(staging) and not any(staging.glob(RECORDINGS)):
             yield Garbage(staging.name, staging, "draft of a process that was killed", _size(staging))
+
+
+def _left(staging: Path) -> bool:
+    """Whether the process that made a draft is known to be gone."""
+    try:
+        return read_draft(staging).gone
+    except (SlidepipeError, OSError):
+        return False
 
 
 def _size(directory: Path) -> int:

@@ -22,6 +22,8 @@ class RunState(StrEnum):
     COMPLETE = "complete"
     LOST = "lost"
     """It ran to its end, and the block was lost on the way."""
+    STOPPED = "stopped"
+    """The arm was stopped on its way, by a person or for a reason that the trial tells."""
     FAILED = "failed"
     INTERRUPTED = "interrupted"
 

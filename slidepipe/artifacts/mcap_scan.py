@@ -24,9 +24,10 @@ _DAMAGE = (McapError, zstandard.ZstdError, struct.error, ValueError, OverflowErr
 
 @dataclass(slots=True)
 class Topic:
-    """Messages of one topic in the order of the file."""
+    """Messages of one topic in the order of the file; ``definition`` is its schema as the file holds it."""
 
     schema: str
+    definition: bytes = b""
     log_ns: list[int] = field(default_factory=list)
     publish_ns: list[int] = field(default_factory=list)
     sequence: list[int] = field(default_factory=list)
@@ -91,7 +92,7 @@ def scan(data: bytes) -> Scan:
 class _Tables:
     """Schemas, channels and messages as they come; they may come in any order."""
 
-    schemas: dict[int, str] = field(default_factory=dict)
+    schemas: dict[int, Schema] = field(default_factory=dict)
     channels: dict[int, Channel] = field(default_factory=dict)
     columns: dict[int, Topic] = field(default_factory=dict)
 
@@ -100,7 +101,7 @@ class _Tables:
             self._message(body, 0, len(body))
         elif opcode == Opcode.SCHEMA:
             schema = Schema.read(_stream(body))
-            self.schemas[schema.id] = schema.name
+            self.schemas[schema.id] = schema
         elif opcode == Opcode.CHANNEL:
             channel = Channel.read(_stream(body))
             self.channels.setdefault(channel.id, channel)
@@ -132,7 +133,9 @@ class _Tables:
         found.messages = sum(len(column.payload) for column in self.columns.values())
         for number, channel in self.channels.items():
             column = self.columns.get(number, Topic(""))
-            column.schema = self.schemas.get(channel.schema_id, "")
+            schema = self.schemas.get(channel.schema_id)
+            if schema is not None:
+                column.schema, column.definition = schema.name, schema.data
             found.topics[channel.topic] = column
 
 

@@ -33,6 +33,8 @@ _OWN = _own_messages()
 MocapFrame: Any = GetMessageClass(_OWN.FindMessageTypeByName("slidepipe.MocapFrame"))
 ClockSync: Any = GetMessageClass(_OWN.FindMessageTypeByName("slidepipe.ClockSync"))
 PlanarState: Any = GetMessageClass(_OWN.FindMessageTypeByName("slidepipe.PlanarState"))
+LoopTick: Any = GetMessageClass(_OWN.FindMessageTypeByName("slidepipe.LoopTick"))
+StreamStatistics: Any = GetMessageClass(_OWN.FindMessageTypeByName("slidepipe.StreamStatistics"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,8 +54,17 @@ class Kind:
         return _descriptor_set(self.message)
 
 
+@dataclass(frozen=True, slots=True)
+class StoredKind:
+    """A kind of message as another recording defines it."""
+
+    name: str
+    schema: bytes
+
+
 POSE, JOINTS, EVENT = Kind(PoseInFrame), Kind(JointStates), Kind(Log)
 FRAME, CLOCK, PLANAR = Kind(MocapFrame), Kind(ClockSync), Kind(PlanarState)
+TICK, STATISTICS = Kind(LoopTick), Kind(StreamStatistics)
 
 
 def pose_bytes(stamp_ns: int, frame_id: str, position_m: Sequence[float], quaternion_xyzw: Sequence[float]) -> bytes:

@@ -21,6 +21,8 @@ from slidepipe.series import (
     JointSeries,
     MocapSeries,
     PoseSeries,
+    StreamStatistics,
+    TickSeries,
 )
 
 
@@ -76,6 +78,15 @@ class Recording:
             raise InputError(f"{self.path}: has no attachment {name}, there are: {there}")
         return self._scan.attachments[name]
 
+    @property
+    def attachments(self) -> dict[str, bytes]:
+        """Files that are kept inside, by name."""
+        return self._scan.attachments
+
+    def schema(self, topic: str) -> str:
+        """Name of the schema of a topic's messages."""
+        return self._topic(topic).schema
+
     def log_ns(self, topic: str) -> IntArray:
         """(T,) times at which the host received a topic's messages."""
         return np.array(self._topic(topic).log_ns, dtype=np.int64)
@@ -117,6 +128,16 @@ class Recording:
         return MocapSeries(
             frames=self._frames(), hand=self.poses(topics.HAND), object=self.poses(topics.OBJECT), clock=self._clock()
         )
+
+    def ticks(self) -> TickSeries:
+        """Ticks of the loop."""
+        stamps, late = self._fields(topics.TICKS, messages.TICK)
+        return TickSeries(_whole(stamps), _whole(late))
+
+    def statistics(self) -> list[StreamStatistics]:
+        """Statistics of the streams, as often as they were recorded."""
+        columns = self._fields(topics.STATISTICS, messages.STATISTICS)
+        return [StreamStatistics(*row) for row in zip(*columns, strict=True)]
 
     def events(self, topic: str = topics.EVENTS) -> list[Event]:
         """What happened, in the order of the file."""
@@ -172,7 +193,7 @@ def read_recording(path: Path) -> Recording:
     NotFoundError
         There is no such file.
     """
-    data = _bytes_of(path)
+    data = bytes_of(path)
     if not data:
         raise InputError(f"{path}: is empty, an MCAP recording is needed")
     if not data.startswith(MAGIC):
@@ -183,7 +204,16 @@ def read_recording(path: Path) -> Recording:
     return Recording(path, found)
 
 
-def _bytes_of(path: Path) -> bytes:
+def bytes_of(path: Path) -> bytes:
+    """Bytes of a file that shall be a recording.
+
+    Raises
+    ------
+    NotFoundError
+        There is no such file.
+    InputError
+        It is a directory, or cannot be read.
+    """
     try:
         return path.read_bytes()
     except FileNotFoundError:

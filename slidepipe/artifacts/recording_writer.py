@@ -1,9 +1,11 @@
 """Writes recordings that survive the process that writes them."""
 
+import fcntl
 import math
 import os
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -11,12 +13,12 @@ from typing import Any
 from mcap.writer import CompressionType, Writer
 
 from slidepipe.artifacts import messages, topics
-from slidepipe.artifacts.messages import JOINT_NAMES, Kind
+from slidepipe.artifacts.messages import JOINT_NAMES, Kind, StoredKind
 from slidepipe.errors import StoreError
 
 CHUNK_BYTES = 64 * 1024
-FLUSH_NS = 250_000_000
-"""Time on the host's clock after which what was recorded leaves the process."""
+FLUSH_NS = 200_000_000
+"""Time on the host's clock after which what was recorded leaves the process, so that at most 0.3 s are ever lost."""
 SYNC_S = 1.0
 """Time after which what left the process is forced onto the disk."""
 MAX_STAMP_NS = 2**63 - 1
@@ -33,7 +35,7 @@ class RecordingWriter:
     """An MCAP file in the making, to be used in a ``with`` statement.
 
     Provenance and attachments stand first and are on the disk before the first message. Messages leave the process
-    every 250 ms of the host's clock, as their ``log_ns`` tells it: so a killed process loses that much, and a simulated
+    every 200 ms of the host's clock, as their ``log_ns`` tells it: so a killed process loses that much, and a simulated
     lab, whose clock is virtual, writes the same bytes each time.
 
     Parameters
@@ -44,6 +46,11 @@ class RecordingWriter:
         Where the recording comes from.
     attachments : Mapping[str, bytes]
         Files to keep inside, by name.
+
+    Attributes
+    ----------
+    count : int
+        Messages so far.
 
     Raises
     ------
@@ -59,12 +66,14 @@ class RecordingWriter:
             self._stream = path.open("xb")
         except OSError as error:
             raise StoreError(f"{path}: cannot be recorded to: {error.strerror}") from None
+        with suppress(OSError):  # some file systems know no locks
+            fcntl.flock(self._stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
         self._writer: Any = Writer(
             self._stream, chunk_size=CHUNK_BYTES, compression=CompressionType.ZSTD, enable_data_crcs=True
         )
-        self._channels: dict[str, tuple[int, Kind]] = {}
+        self._channels: dict[str, tuple[int, Kind | StoredKind]] = {}
         self._schemas: dict[str, int] = {}
-        self._count, self._flushed_ns, self._synced_s = 0, -1, time.monotonic()
+        self.count, self._flushed_ns, self._synced_s = 0, -1, time.monotonic()
         self._writer.start(profile="", library="slidepipe")
         self._writer.add_metadata(PROVENANCE, dict(provenance))
         for name, data in (attachments or {}).items():
@@ -84,12 +93,12 @@ class RecordingWriter:
         if self._stream.closed:
             return
         self._writer.flush()
-        self._writer.add_metadata(END, {"state": state, "messages": str(self._count)})
+        self._writer.add_metadata(END, {"state": state, "messages": str(self.count)})
         self._writer.finish()
         self._sync()
         self._stream.close()
 
-    def announce(self, topic: str, kind: Kind) -> None:
+    def announce(self, topic: str, kind: Kind | StoredKind) -> None:
         """Make a topic known that may stay without messages."""
         self._channel(topic, kind)
 
@@ -173,7 +182,18 @@ class RecordingWriter:
         payload = messages.own_bytes(messages.PLANAR, stamp_ns=int(stamp_ns), **fields)
         self.add(topic, messages.PLANAR, payload, stamp_ns=stamp_ns, log_ns=log_ns)
 
-    def add(self, topic: str, kind: Kind, payload: bytes, *, stamp_ns: int, log_ns: int, sequence: int = 0) -> None:
+    def counts(self, topic: str, kind: Kind, *, stamp_ns: int, **fields: int) -> None:
+        """Record whole numbers that belong to a time, as one of our own messages."""
+        payload = messages.own_bytes(kind, stamp_ns=int(stamp_ns), **fields)
+        self.add(topic, kind, payload, stamp_ns=stamp_ns, log_ns=stamp_ns)
+
+    def flush(self) -> None:
+        """Let go of what is recorded now, whatever the host's clock says."""
+        self._writer.flush()
+
+    def add(
+        self, topic: str, kind: Kind | StoredKind, payload: bytes, *, stamp_ns: int, log_ns: int, sequence: int = 0
+    ) -> None:
         """Record an encoded message."""
         for name, value, top in (
             ("stamp_ns", stamp_ns, MAX_STAMP_NS),
@@ -184,10 +204,10 @@ class RecordingWriter:
                 raise StoreError(f"{self._path}: {topic}: {name} must be from 0 to {top}, got {value}")
         channel = self._channel(topic, kind)
         self._writer.add_message(channel, int(log_ns), payload, int(stamp_ns), int(sequence))
-        self._count += 1
+        self.count += 1
         self._pace(int(log_ns))
 
-    def _channel(self, topic: str, kind: Kind) -> int:
+    def _channel(self, topic: str, kind: Kind | StoredKind) -> int:
         if topic not in self._channels:
             if kind.name not in self._schemas:
                 self._schemas[kind.name] = self._writer.register_schema(kind.name, "protobuf", kind.schema)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
+from slidepipe.artifacts.abandoned import Abandoned, find_abandoned
 from slidepipe.artifacts.annotations import Annotations
 from slidepipe.artifacts.draft import Draft, Request
 from slidepipe.artifacts.entry import MANIFEST, Entry
@@ -97,6 +98,10 @@ class Store:
                 if directory.exists():  # else it was moved away meanwhile
                     damaged.append(Damaged(directory, str(error)))
         return Survey(tuple(sorted(runs, key=lambda run: (run.manifest.times.finished, run.id))), tuple(damaged))
+
+    def abandoned(self) -> tuple[Abandoned, ...]:
+        """Find runs in the making whose process is gone."""
+        return find_abandoned(self._runs, lambda: write_layout(self.root))
 
     def runs(self, *, experiment: str | None = None, stage: str | None = None) -> list[Run]:
         """List the runs in the order in which they were finished.

@@ -4,7 +4,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from slidepipe.artifacts.schema import Artifact, Record
+from slidepipe.artifacts.schema import UPCASTS, Artifact, Data, Record
 from slidepipe.artifacts.values import Count, Friction, NotNegative, Pose, Positive, RunId, Stamp
 
 Outcome = Literal["held", "lost"]
@@ -28,10 +28,37 @@ class TrackingError(Record):
     angle_peak_rad: NotNegative
 
 
+class StreamReport(Record):
+    """How a real-time stream went.
+
+    ``late_*`` is how late ticks began, ``late_share`` the share of those later than 1 ms, ``longest_gap_s`` the longest
+    time that the arm was without a command; ``states_lost`` and ``frames_missing`` never arrived, ``records_lost`` did
+    and were not recorded; ``not_permitted`` says what the machine did not let the streamer keep time with.
+    """
+
+    ticks: Count
+    late_p50_s: float
+    late_p99_s: float
+    late_max_s: float
+    late_share: Annotated[float, Field(ge=0.0, le=1.0)]
+    longest_gap_s: NotNegative
+    commands: Count
+    states: Count
+    states_lost: Count
+    frames_missing: Count
+    records_lost: Count
+    not_permitted: tuple[str, ...]
+
+
 class TrialDocument(Artifact):
-    """What is written as ``trial.yaml``; the lab's outcome is what its operator or simulation saw."""
+    """What is written as ``trial.yaml``; the lab's outcome is what its operator or simulation saw.
+
+    ``stopped`` says why the arm was stopped on its way, ``invalid`` why the trial must not be estimated; ``stream`` is
+    null where the lab was simulated in virtual time.
+    """
 
     SCHEMA: ClassVar[str] = "slidepipe.trial"
+    VERSION: ClassVar[int] = 2
 
     plan: RunId
     lab: Annotated[str, Field(min_length=1)]
@@ -42,6 +69,17 @@ class TrialDocument(Artifact):
     frames: FrameCounts
     tracking_error: TrackingError | None
     recording_file: str
+    stopped: str | None = None
+    invalid: str | None = None
+    stream: StreamReport | None = None
+
+
+def _of_version_1(data: Data) -> Data:
+    """Trials before there were real-time labs: none was stopped."""
+    return {**data, "stopped": None, "invalid": None, "stream": None}
+
+
+UPCASTS[TrialDocument.SCHEMA, 1] = _of_version_1
 
 
 class TruthDocument(Artifact):

@@ -2,6 +2,7 @@
 
 # ruff: noqa: PLC0415  # what computes is imported when it is called, so that help is there at once
 
+from dataclasses import replace
 from datetime import datetime
 from typing import TYPE_CHECKING
 
@@ -13,10 +14,11 @@ from slidepipe.cli.exits import ExitCode
 from slidepipe.cli.times import INSTANT
 
 if TYPE_CHECKING:
-    from slidepipe.artifacts.query import Page
+    from slidepipe.artifacts.entry import Entry
+    from slidepipe.artifacts.query import Page, Query
     from slidepipe.cli.session import Session
 
-STATES = ("complete", "lost", "failed", "interrupted")
+STATES = ("complete", "lost", "failed", "interrupted", "stopped")
 LIMIT = 100
 
 
@@ -73,6 +75,8 @@ def command(
         limit=limit or None,
     )
     page = session.find(query)
+    left = _interrupted(page, query, session)
+    page = replace(page, entries=(*page.entries, *left), total=page.total + len(left))
     faults = [str(one.fault) for one in page.damaged]
     if as_json:
         content = {"runs": [run_line(one) for one in page.entries], "faults": faults}
@@ -81,8 +85,29 @@ def command(
         _show(page, filtered=query != Query(limit=query.limit), session=session)
     for fault in faults:
         render.note(f"error: {fault}")
+    if left:
+        render.note(f"{len(left)} interrupted and not published: slidepipe recover")
     if faults:
         ctx.exit(ExitCode.STORE)
+
+
+def _interrupted(page: "Page", query: "Query", session: "Session") -> "list[Entry]":
+    """Runs in the making whose process was killed, as far as they are asked for."""
+    if not page.drafts:
+        return []
+    from slidepipe.artifacts.entry import entry_of
+
+    left = [one.as_run() for one in session.store().abandoned()]
+    found = [entry_of(run.manifest, run.directory) for run in left]
+    return [
+        one
+        for one in found
+        if query.experiment in (None, one.experiment)
+        and query.stage in (None, one.stage)
+        and (not query.states or one.state in query.states)
+        and (query.since is None or one.finished >= query.since)
+        and (query.until is None or one.finished < query.until)
+    ]
 
 
 def _show(page: "Page", *, filtered: bool, session: "Session") -> None:

@@ -1,5 +1,6 @@
 """The entry point: a group of verbs, each of which is loaded when it is asked for."""
 
+import keyword
 import os
 import sys
 from collections.abc import Callable
@@ -24,6 +25,7 @@ VERBS = (
     "sweep",
     "calibrate",
     "surface",
+    "lab",
     "ls",
     "show",
     "log",
@@ -34,8 +36,11 @@ VERBS = (
     "repair",
     "gc",
     "schema",
+    "export",
+    "import",
+    "recover",
 )
-"""The commands in the order in which help shows them; each is ``slidepipe.cli.NAME``."""
+"""The commands in the order in which help shows them; each is ``slidepipe.cli.NAME``, or ``NAME_`` for a keyword."""
 
 _COMMAND = "slidepipe.command"
 
@@ -60,7 +65,7 @@ class Verbs(click.Group):
         """Load a verb; None where there is none of this name."""
         if cmd_name not in VERBS:
             return None
-        command: click.Command = import_module(f"slidepipe.cli.{cmd_name}").command
+        command: click.Command = import_module(f"slidepipe.cli.{_module(cmd_name)}").command
         return command
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
@@ -108,6 +113,10 @@ def cli(ctx: click.Context, data: Path) -> None:
 def main() -> None:
     """Run the command line."""
     cli(prog_name="slidepipe")
+
+
+def _module(verb: str) -> str:
+    return f"{verb}_" if keyword.iskeyword(verb) else verb
 
 
 def _flushed(work: Callable[[], Any]) -> Any:

@@ -23,10 +23,18 @@ def verb(name: str, does: str, *, example: str, exits: Mapping[ExitCode, str]) -
     exits : Mapping[ExitCode, str]
         What the codes mean that mean something special here, or that only this verb ends with.
     """
+    return click.command(name, help=does, short_help=does.partition("\n")[0], epilog=_epilog(example, exits))
+
+
+def verbs(name: str, does: str, *, example: str, exits: Mapping[ExitCode, str]) -> click.Group:
+    """Make a command that has commands of its own; see :func:`verb`."""
+    return click.Group(name, help=does, short_help=does.partition("\n")[0], epilog=_epilog(example, exits))
+
+
+def _epilog(example: str, exits: Mapping[ExitCode, str]) -> str:
     meanings = {code: MEANINGS[code] for code in (*ALWAYS, *READS_STORE)} | dict(exits)
     codes = "\n".join(f"  {code:<4d} {meanings[code]}" for code in sorted(meanings))
-    epilog = f"\b\nExample:\n  {example}\n\n\b\nExit codes:\n{codes}"
-    return click.command(name, help=does, short_help=does.partition("\n")[0], epilog=epilog)
+    return f"\b\nExample:\n  {example}\n\n\b\nExit codes:\n{codes}"
 
 
 as_json: Callable[[Callback], Callback] = click.option(
@@ -44,6 +52,14 @@ way: Callable[[Callback], Callback] = click.option(
 all_limits: Callable[[Callback], Callback] = click.option(
     "--all", "all_limits", is_flag=True, help="Show every limit, not only the nearest."
 )
+
+
+lab: Callable[[Callback], Callback] = click.option(
+    "--lab",
+    metavar="NAME",
+    help="A lab file, or its name in experiments/labs.  [default: the simulated lab in virtual time]",
+)
+yes: Callable[[Callback], Callback] = click.option("--yes", is_flag=True, help="Move a real arm without asking.")
 
 
 def overrides(example: str) -> Callable[[Callback], Callback]:

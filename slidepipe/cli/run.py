@@ -10,6 +10,7 @@ import click
 from slidepipe.cli import options, render
 from slidepipe.cli.exits import MEANINGS, ExitCode
 from slidepipe.cli.session import Report, Session, plain
+from slidepipe.cli.watching import watched
 
 if TYPE_CHECKING:
     from slidepipe.artifacts.iteration_setup import Way
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
 @options.way
 @click.option("--repeat", type=click.IntRange(min=1), help="Execute the first plan so often, to see how it repeats.")
 @click.option("--resume", is_flag=True, help="Go on where the experiment's last campaign ended or was interrupted.")
+@options.lab
+@options.yes
 @options.as_json
 @click.pass_context
 def command(
@@ -44,6 +47,8 @@ def command(
     way: "Way | None",
     repeat: int | None,
     resume: bool,
+    lab: str | None,
+    yes: bool,
     as_json: bool,
 ) -> None:
     """Go round the loop, and show every trial."""
@@ -60,17 +65,19 @@ def command(
     from slidepipe.cli.views.campaign import campaign_view
     from slidepipe.stages.campaign import CampaignRequest, run
 
-    request = CampaignRequest(
-        experiment=experiment,
-        store=session.store(),
-        overrides=overrides,
-        trials=trials,
-        way=way,
-        resume=resume,
-        command=session.command,
-        report=render.note,
-    )
-    result = run(request)
+    with watched(lab, yes=yes, beside=experiment.parent) as real:
+        request = CampaignRequest(
+            experiment=experiment,
+            store=session.store(),
+            overrides=overrides,
+            trials=trials,
+            way=way,
+            resume=resume,
+            command=session.command,
+            report=render.note,
+            lab=real,
+        )
+        result = run(request)
     report = Report("slidepipe.run_result/1", result.run, {"document": plain(result.document)})
     report.put(campaign_view(result.document, result.run), as_json=as_json)
     if not result.document.converged:

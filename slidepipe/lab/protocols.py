@@ -5,7 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
-from slidepipe.series import FloatArray
+from slidepipe.series import FloatArray, StreamStatistics
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,6 +22,20 @@ class JointCommand:
 
 
 @dataclass(frozen=True, slots=True)
+class Link:
+    """How the arm is heard: age of what it said last, ns, and whether it follows our commands."""
+
+    age_ns: int = 0
+    linked: bool = True
+    fault: bool = False
+    """Whether the arm's own checks have stopped it."""
+
+
+SOUND = Link()
+"""Of an arm that answers at once."""
+
+
+@dataclass(frozen=True, slots=True)
 class JointState:
     """Measured joint angles and speeds and applied torques, (7,), at ``stamp_ns`` on the host's clock."""
 
@@ -29,6 +43,7 @@ class JointState:
     position_rad: FloatArray
     velocity_rad_s: FloatArray
     effort_n_m: FloatArray
+    link: Link = SOUND
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +78,7 @@ class Arm(Protocol):
     """An arm that takes one command a tick."""
 
     def exchange(self, command: JointCommand) -> JointState:
-        """Send a command, let one tick pass, and return what was measured when the tick began."""
+        """Send a command for the tick that begins now, and return what was last measured."""
 
 
 class MotionCapture(Protocol):
@@ -76,8 +91,11 @@ class MotionCapture(Protocol):
     def take(self) -> list[MocapFrame]:
         """Frames that have arrived since the last call, oldest first."""
 
-    def echo(self) -> ClockExchange:
-        """Ask the cameras for their clock."""
+    def echo(self) -> ClockExchange | None:
+        """Ask the cameras for their clock; return an exchange that was completed and not told yet, if there is one.
+
+        It returns at once: over a network, the answer is told by a later call.
+        """
 
 
 class Recorder(Protocol):
@@ -94,3 +112,9 @@ class Recorder(Protocol):
 
     def event(self, stamp_ns: int, text: str) -> None:
         """Record that something happened."""
+
+    def tick(self, stamp_ns: int, late_ns: int) -> None:
+        """Record that a tick was due at ``stamp_ns``, and how late it began."""
+
+    def statistics(self, statistics: StreamStatistics) -> None:
+        """Record the statistics so far."""

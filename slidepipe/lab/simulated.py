@@ -1,6 +1,7 @@
 """The simulated lab in virtual time: an arm, a gripper and a block in MuJoCo, watched by simulated cameras."""
 
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
@@ -54,6 +55,8 @@ class SimulatedLab:
         Where the finger holds the block, in {b}.
     random : numpy.random.Generator
         Where the cameras' noise comes from.
+    history : int, optional
+        How many exposures are remembered for the truth; all of them unless told otherwise.
     """
 
     def __init__(
@@ -65,6 +68,7 @@ class SimulatedLab:
         r_f_b: FloatArray,
         *,
         random: np.random.Generator,
+        history: int | None = None,
     ) -> None:
         self._world = World(settings, joints_rad, r_f_b)
         self._start_angle_rad = float(r_f_b[2])
@@ -77,7 +81,8 @@ class SimulatedLab:
         self._frame_period_s = 1.0 / cameras.rate_hz
         self._steps = 0
         self._frames: deque[MocapFrame] = deque()
-        self._exposures: list[_Exposure] = []
+        self._exposures: deque[_Exposure] = deque(maxlen=history)
+        self._exposed = 0
 
     @property
     def ticks_per_s(self) -> float:
@@ -106,6 +111,19 @@ class SimulatedLab:
     def echo(self) -> ClockExchange:
         """Ask the cameras for their clock."""
         return self._cameras.echo(1e-9 * HOST_START_NS + self._world.time_s)
+
+    def camera_ticks(self, host_ns: int) -> int:
+        """Reading of the cameras' clock at a time on the virtual host's."""
+        return self._cameras.ticks(1e-9 * host_ns)
+
+    def relative_pose(self) -> FloatArray:
+        """Pose (3,) of {f} in {b} now, wherever the hand is; the angle within half a turn of the one at the start."""
+        (hand_m, hand), (block_m, block) = self._world.hand(), self._world.block()
+        x, y, _ = block.T @ (hand_m - block_m)
+        turn = block.T @ hand
+        angle = np.arctan2(turn[1, 0], turn[0, 0])
+        angle += 2 * np.pi * np.round((self._start_angle_rad - angle) / (2 * np.pi))
+        return np.array([x, y, angle])
 
     def truth(self) -> Truth:
         """What no camera saw."""
@@ -140,7 +158,7 @@ class SimulatedLab:
     def _advance(self, count: int) -> None:
         """Step the world, stopping for every exposure on the way."""
         end = self._steps + count
-        while (due := round(len(self._exposures) * self._frame_period_s / self._timestep_s)) <= end:
+        while (due := round(self._exposed * self._frame_period_s / self._timestep_s)) <= end:
             self._step_to(due)
             self._expose()
         self._step_to(end)
@@ -152,8 +170,9 @@ class SimulatedLab:
 
     def _expose(self) -> None:
         exposure = _Exposure(1e-9 * self._now_ns(), self._world.hand(), self._world.block())
-        frame = self._cameras.expose(len(self._exposures), exposure.time_s, exposure.hand, exposure.block)
+        frame = self._cameras.expose(self._exposed, exposure.time_s, exposure.hand, exposure.block)
         self._exposures.append(exposure)
+        self._exposed += 1
         self._frames.append(frame)
 
 
@@ -166,7 +185,7 @@ class _Exposure:
     block: tuple[FloatArray, FloatArray]
 
 
-def _series(exposures: list[_Exposure], poses: list[tuple[FloatArray, FloatArray]]) -> PoseSeries:
+def _series(exposures: Sequence[_Exposure], poses: list[tuple[FloatArray, FloatArray]]) -> PoseSeries:
     matrices = np.array([matrix for _, matrix in poses])
     return PoseSeries(
         stamp_ns=np.array([round(1e9 * exposure.time_s) for exposure in exposures], dtype=np.int64),

@@ -24,7 +24,7 @@ from slidepipe.lab.grip_model import (
 )
 from slidepipe.mechanics.dynamics import GRAVITY
 from slidepipe.mechanics.limit_surface import SoftFinger
-from slidepipe.mechanics.planar import MotionPlane, object_pose
+from slidepipe.mechanics.planar import MotionPlane, object_pose, rotation
 from slidepipe.mechanics.stepping import PlacedFinger
 from slidepipe.series import FloatArray
 
@@ -124,9 +124,10 @@ class World:
         return np.asarray(self.data.qfrc_applied[: wam.JOINT_COUNT])
 
     def _place_block(self, r_f_b: FloatArray) -> None:
-        position, matrix = self.hand()
-        q_f = self.settings.plane.project(position, matrix)
-        position, matrix = self.settings.plane.lift(object_pose(q_f, r_f_b))
+        """Put the block into the grip, wherever the hand is: {b} in {f}, about the axis that both have in common."""
+        hand_m, hand = self.hand()
+        x, y, theta = object_pose(np.zeros(3), r_f_b)
+        position, matrix = hand_m + hand @ np.array([x, y, 0.0]), hand @ rotation(theta)
         pose = self.data.qpos[self._block_address : self._block_address + 7]
         pose[:3], pose[3:] = position, Rotation.from_matrix(matrix).as_quat(scalar_first=True)
 

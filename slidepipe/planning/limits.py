@@ -87,25 +87,25 @@ def check_grasp(
     from_centre = np.linalg.norm(motion.q_f[:, :2] - limits.workspace_centre_m, axis=1)
     used = "share of the friction used while sticking"
     checks = [
-        _worst(f"{used} before the slide", time_s[first], motion.load[first], limits.stick_load, "of 1"),
-        _worst(f"{used} after the slide", time_s[last], motion.load[last], limits.stick_load, "of 1"),
-        _worst(
+        worst(f"{used} before the slide", time_s[first], motion.load[first], limits.stick_load, "of 1"),
+        worst(f"{used} after the slide", time_s[last], motion.load[last], limits.stick_load, "of 1"),
+        worst(
             "contact point from the middle of the face to its edge",
             time_s,
             _face_share(motion.r_b, fingers, half_size_m),
             1.0,
             "of 1",
         ),
-        _worst("hand from the middle of the workspace", time_s, from_centre, limits.workspace_radius_m, "m"),
-        _worst("hand speed", time_s, np.linalg.norm(motion.dq_f[:, :2], axis=1), limits.tip_speed_m_s, "m/s"),
+        worst("hand from the middle of the workspace", time_s, from_centre, limits.workspace_radius_m, "m"),
+        worst("hand speed", time_s, np.linalg.norm(motion.dq_f[:, :2], axis=1), limits.tip_speed_m_s, "m/s"),
     ]
     if np.isfinite(limits.hand_acceleration_m_s2):
         size = np.linalg.norm(motion.ddq_f[:, :2], axis=1)
-        checks.append(_worst("hand acceleration", time_s, size, limits.hand_acceleration_m_s2, "m/s^2"))
+        checks.append(worst("hand acceleration", time_s, size, limits.hand_acceleration_m_s2, "m/s^2"))
     if np.isfinite(limits.region_radius_m):
         off = np.linalg.norm(motion.q_f[-1:, :2] - limits.region_centre_m, axis=1)
         checks.append(
-            _worst("hand at rest from the middle of its region", time_s[-1:], off, limits.region_radius_m, "m")
+            worst("hand at rest from the middle of its region", time_s[-1:], off, limits.region_radius_m, "m")
         )
     return checks
 
@@ -116,9 +116,9 @@ def check_continuity(motion: CourseMotion) -> list[Check]:
     ends = motion.sample(edges[[0, -1]])
     before, after = motion.sample(edges[1:] - JUMP_S), motion.sample(edges[1:])
     return [
-        _worst("hand speed at rest", edges[[0, -1]], np.max(np.abs(ends.dq_f), axis=1), AT_REST, "m/s or rad/s"),
-        _worst("jump in the hand's pose", edges[1:], np.max(np.abs(after.q_f - before.q_f), axis=1), JUMP, "m or rad"),
-        _worst(
+        worst("hand speed at rest", edges[[0, -1]], np.max(np.abs(ends.dq_f), axis=1), AT_REST, "m/s or rad/s"),
+        worst("jump in the hand's pose", edges[1:], np.max(np.abs(after.q_f - before.q_f), axis=1), JUMP, "m or rad"),
+        worst(
             "jump in the hand's velocity", edges[1:], np.max(np.abs(after.dq_f - before.dq_f), axis=1), JUMP,
             "m/s or rad/s",
         ),
@@ -147,16 +147,17 @@ def check_arm(path: JointPath, load: ArmLoad, limits: Limits) -> list[Check]:
         if not np.all(np.isfinite(bounds)):
             continue
         checks += [
-            _worst(f"joint {joint + 1} {quantity}", path.time_s, values[:, joint], float(bounds[joint]), unit)
+            worst(f"joint {joint + 1} {quantity}", path.time_s, values[:, joint], float(bounds[joint]), unit)
             for joint in range(wam.JOINT_COUNT)
         ]
     return [
         *checks,
-        _worst("elbow speed", path.time_s, load.elbow_speed_m_s, limits.elbow_speed_m_s, "m/s"),
+        worst("elbow speed", path.time_s, load.elbow_speed_m_s, limits.elbow_speed_m_s, "m/s"),
     ]
 
 
-def _worst(name: str, time_s: FloatArray, values: FloatArray, bound: float, unit: str) -> Check:
+def worst(name: str, time_s: FloatArray, values: FloatArray, bound: float, unit: str) -> Check:
+    """Check a quantity over time (T,) at its largest."""
     # The first of those that are alike but for rounding.
     index = int(np.argmax(values >= np.max(values) * (1.0 - ALIKE)))
     return Check(name, float(values[index]), bound, unit, float(time_s[index]))

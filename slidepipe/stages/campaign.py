@@ -7,11 +7,13 @@ from pathlib import Path
 from slidepipe.artifacts.campaign import CampaignDocument
 from slidepipe.artifacts.experiment import Experiment, load_experiment
 from slidepipe.artifacts.iteration_setup import Way
+from slidepipe.artifacts.manifest import RunState
 from slidepipe.artifacts.run import Run
 from slidepipe.artifacts.store import Store
-from slidepipe.errors import RefusedError
+from slidepipe.errors import LabError, RefusedError
 from slidepipe.stages import campaign_files, estimate, execute, iterate, plan
 from slidepipe.stages.campaign_files import CAMPAIGN, SLIDING, TRACKING, CampaignEnd, CampaignResult
+from slidepipe.stages.on_lab import RealLab
 from slidepipe.stages.past import past_trials
 from slidepipe.stages.resume import Tip, find_tip, finished_campaign
 from slidepipe.stages.stopping import Stop, no_plan, stop_after
@@ -23,7 +25,8 @@ __all__ = ["CAMPAIGN", "SLIDING", "TRACKING", "CampaignRequest", "CampaignResult
 class CampaignRequest:
     """Which experiment to run; ``trials`` and ``way`` stand over its own; ``report`` is told of every stage.
 
-    With ``resume`` the experiment's last campaign goes on where it ended or was interrupted.
+    With ``resume`` the experiment's last campaign goes on where it ended or was interrupted. ``lab`` is a lab over the
+    network; the simulated one in virtual time unless given.
     """
 
     experiment: Path
@@ -34,6 +37,7 @@ class CampaignRequest:
     way: Way | None = None
     resume: bool = False
     command: tuple[str, ...] = ()
+    lab: RealLab | None = None
 
 
 def run(request: CampaignRequest) -> CampaignResult:
@@ -111,12 +115,33 @@ def _told(request: CampaignRequest, tip: Tip) -> Run:
         return tip.estimate_run
     trial = tip.trial_run
     if trial is None:
-        done = execute.run(execute.ExecuteRequest(tip.plan_run.id, request.store, command=request.command))
+        asked = execute.ExecuteRequest(tip.plan_run.id, request.store, command=request.command, lab=request.lab)
+        done = execute.run(asked)
         request.report(f"trial {tip.number}: executed {done.run.id}: {done.document.outcome}")
+        refuse_unfinished(done)
         trial = done.run
     told = estimate.run(estimate.EstimateRequest(trial.id, request.store, command=request.command))
     request.report(f"trial {tip.number}: estimated {told.run.id}")
     return told.run
+
+
+def refuse_unfinished(done: execute.ExecuteResult) -> None:
+    """Refuse to go on from a trial that tells nothing of the slide.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        A person stopped the arm.
+    LabError
+        It was stopped for another reason, or the stream did not keep time.
+    """
+    trial, state = done.document, done.run.manifest.state
+    if state is RunState.INTERRUPTED:
+        raise KeyboardInterrupt
+    if state is RunState.STOPPED:
+        raise LabError(f"trial {done.run.id} was stopped: {trial.stopped}")
+    if trial.invalid is not None:
+        raise LabError(f"trial {done.run.id} is invalid: {trial.invalid}")
 
 
 def _may_go_on(stop: Stop, trials: int, limit: int) -> bool:

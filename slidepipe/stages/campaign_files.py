@@ -14,12 +14,13 @@ from slidepipe.artifacts.strict_yaml import load
 from slidepipe.artifacts.trial import TruthDocument
 from slidepipe.artifacts.why import WhyDocument
 from slidepipe.stages.estimate import ESTIMATE
-from slidepipe.stages.execute import TRIAL, TRUTH
 from slidepipe.stages.goal import miss
 from slidepipe.stages.past import PastTrial
 from slidepipe.stages.pictures import TrialRuns, draw_pictures
 from slidepipe.stages.plan_files import EXPERIMENT, PLAN
 from slidepipe.stages.stopping import Stop
+from slidepipe.stages.trial_facts import TRIAL
+from slidepipe.stages.trial_files import TRUTH
 
 STAGE, STAGE_VERSION = "run", 2
 CAMPAIGN, TRACKING, SLIDING = "campaign", "tracking", "sliding"

@@ -33,8 +33,9 @@ from slidepipe.estimation.smoothing import SmoothedSeries
 from slidepipe.lab.loop import MOTION_ENDS, MOTION_STARTS
 from slidepipe.series import FloatArray, JointSeries
 from slidepipe.stages.calibration_files import CALIBRATION, read_calibration
-from slidepipe.stages.execute import RECORDING
+from slidepipe.stages.sound import around_motion, refuse_unsound
 from slidepipe.stages.translate import block, motion_plane, tool, vector
+from slidepipe.stages.trial_facts import RECORDING
 
 STAGE, STAGE_VERSION = "estimate", 2
 Z95 = 1.959964
@@ -116,10 +117,13 @@ def run(request: EstimateRequest) -> EstimateResult:
 def estimate_recording(path: Path, calibration: Calibration | None = None) -> RecordedEstimate:
     """Estimate a recording, wherever it lies, from nothing but itself and, if there is one, a calibration."""
     recording = read_recording(path)
-    mocap = recording.mocap() if calibration is None else calibrated(recording.mocap(), calibration)
     purpose = purpose_of(recording)
     experiment, plan = purpose.experiment, purpose.plan
+    refuse_unsound(recording)
     start_ns, stop_ns = (_stamp(recording, message) for message in (MOTION_STARTS, MOTION_ENDS))
+    mocap = around_motion(recording.mocap(), start_ns, stop_ns)
+    if calibration is not None:
+        mocap = calibrated(mocap, calibration)
     joints = recording.joints(MEASURED)
     _finite(recording, joints)
     request = EstimationRequest(

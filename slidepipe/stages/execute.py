@@ -5,45 +5,56 @@ from pathlib import Path
 
 import numpy as np
 
-from slidepipe.arm.kinematics import hand_error
-from slidepipe.arm.model import nominal_model
-from slidepipe.artifacts import topics
 from slidepipe.artifacts.draft import Draft
 from slidepipe.artifacts.experiment import Experiment, load_experiment
-from slidepipe.artifacts.manifest import RunState
 from slidepipe.artifacts.plan import PlanDocument
-from slidepipe.artifacts.recording_reader import Recording, read_recording
-from slidepipe.artifacts.recording_series import Series, write_series
+from slidepipe.artifacts.recording_reader import read_recording
 from slidepipe.artifacts.recording_writer import RecordingWriter
 from slidepipe.artifacts.run import Run
 from slidepipe.artifacts.schema import dump_model, parse
 from slidepipe.artifacts.store import Store
 from slidepipe.artifacts.strict_yaml import load
-from slidepipe.artifacts.trial import FrameCounts, Outcome, TrackingError, TrialDocument, TruthDocument
-from slidepipe.artifacts.values import Pose
+from slidepipe.artifacts.trial import TrialDocument, TruthDocument
 from slidepipe.errors import InputError
+from slidepipe.lab.course import rest_move_rest
 from slidepipe.lab.loop import Execution, execute
-from slidepipe.lab.simulated import SimulatedLab, Truth
-from slidepipe.series import FloatArray, MocapSeries
+from slidepipe.lab.simulated import SimulatedLab
+from slidepipe.series import FloatArray
+from slidepipe.stages.on_lab import RealLab, stream_plan
 from slidepipe.stages.plan_files import EXPERIMENT, PLAN, REFERENCE, REFERENCE_JOINTS
 from slidepipe.stages.recorder import TrialRecorder
-from slidepipe.stages.translate import cameras, scattered, setup, tracker, vector, world
+from slidepipe.stages.translate import cameras, scattered, tracker, vector, world
+from slidepipe.stages.trial_facts import RECORDING
+from slidepipe.stages.trial_files import (
+    RECORDING_FILE,
+    SIMULATED,
+    TRUTH,
+    Executed,
+    trial_document,
+    truth_document,
+    write_trial,
+    write_truth,
+)
 
 STAGE, STAGE_VERSION = "execute", 1
-TRIAL, RECORDING, TRUTH, TRUE_POSES = "trial", "recording", "truth", "true-poses"
-"""Roles of a trial's files."""
-TRUE_HAND, TRUE_OBJECT = "/truth/hand", "/truth/object"
 REPETITION = "repetition"
 """Parameter of a trial that repeats a plan."""
-SLIDES_ABOVE_M_S = 0.005
-"""MuJoCo's soft contact creeps below this speed while it sticks."""
 
 
 @dataclass(frozen=True, slots=True)
 class ExecuteRequest:
-    """Which plan to run; ``overrides`` may change the simulated lab alone (``lab.key=value``).
+    """Which plan to run, and where.
 
-    ``repetition`` counts trials of the same plan that are to be compared: from 1; 0 is a trial of a campaign.
+    Attributes
+    ----------
+    plan : str
+    store : Store
+    overrides : tuple of str
+        May change the simulated lab alone (``lab.key=value``).
+    repetition : int
+        Counts trials of the same plan that are to be compared, from 1; 0 is a trial of a campaign.
+    lab : RealLab, optional
+        A lab over the network; the simulated one in virtual time unless given.
     """
 
     plan: str
@@ -51,6 +62,7 @@ class ExecuteRequest:
     overrides: tuple[str, ...] = ()
     repetition: int = 0
     command: tuple[str, ...] = ()
+    lab: RealLab | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,14 +84,18 @@ class ExecuteResult:
 
 
 def run(request: ExecuteRequest) -> ExecuteResult:
-    """Run a plan on the simulated lab; a trial that loses the block is kept, with the state ``lost``.
+    """Run a plan; a trial that loses the block or is stopped is kept, with the state ``lost`` or ``stopped``.
 
     Raises
     ------
     NotFoundError
-        There is no such run, or it holds no plan.
+        There is no such run, or it holds no plan; or there is no such lab.
     InputError
-        An override does not concern the lab.
+        An override does not concern the lab, or the lab file is wrong.
+    InfeasibleError
+        The plan breaks a limit of the lab: nothing has moved.
+    LabError
+        The arm or the cameras do not answer, or failed.
     """
     plan_run = request.store.get(request.plan)
     plan = parse(PlanDocument, load(plan_run.file(PLAN)))
@@ -91,16 +107,14 @@ def run(request: ExecuteRequest) -> ExecuteResult:
         parameters=experiment.model_dump(mode="json")
         | ({REPETITION: request.repetition} if request.repetition else {}),
         inputs=tuple(plan_run.input(role) for role in (PLAN, REFERENCE, EXPERIMENT)),
-        seed=experiment.lab.seed,
+        seed=experiment.lab.seed if request.lab is None else None,
         command=request.command,
     )
     with draft:
-        world_now = _world_now(plan, experiment, request)
-        lab, execution = _record(draft, plan_run, world_now)
-        recording = read_recording(draft.path("trial.mcap"))
-        document = _trial(recording, execution, plan_run.id, experiment)
-        truth = _truth(lab.truth(), document, world_now.experiment)
-        _write(draft, document, truth, lab.truth())
+        if request.lab is not None:
+            document, truth = stream_plan(draft, plan_run, experiment, request.lab), None
+        else:
+            document, truth = _simulate(draft, plan_run, _world_now(plan, experiment, request))
     return ExecuteResult(draft.run, document, truth)
 
 
@@ -120,15 +134,31 @@ def _world_now(plan: PlanDocument, experiment: Experiment, request: ExecuteReque
 
 
 def _true_start(plan: PlanDocument, actual: Experiment, store: Store) -> FloatArray:
-    """Where the block really is: where the trial before left it, else where the finger was put down."""
+    """Where the block really is: where the trial before left it, if that is known, else where it was put down."""
     if plan.previous_estimate is not None:
         estimate = store.get(plan.previous_estimate)
-        trial = next(one.run for one in estimate.manifest.inputs if one.role == RECORDING and one.run is not None)
-        truth = parse(TruthDocument, load(store.get(trial).file(TRUTH)))
+        trial = store.get(
+            next(one.run for one in estimate.manifest.inputs if one.role == RECORDING and one.run is not None)
+        )
+        if TRUTH not in {output.role for output in trial.manifest.outputs}:
+            return vector(plan.start_relative_pose)
+        truth = parse(TruthDocument, load(trial.file(TRUTH)))
         if truth.outcome == "held":
             return vector(truth.final_relative_pose)
     error = actual.lab.grasp_error
     return np.asarray(vector(plan.start_relative_pose) + np.array([error.x_m, error.y_m, error.theta_rad]))
+
+
+def _simulate(draft: Draft, plan_run: Run, world_now: _WorldNow) -> tuple[TrialDocument, TruthDocument]:
+    experiment = world_now.experiment
+    lab, execution = _record(draft, plan_run, world_now)
+    recording = read_recording(draft.path(RECORDING_FILE))
+    executed = Executed(execution, plan_run.id, SIMULATED, experiment.lab.seed, experiment.lab.cameras.rate_hz)
+    document = trial_document(recording, executed, experiment)
+    truth = truth_document(lab.truth(), document, experiment)
+    write_trial(draft, document)
+    write_truth(draft, truth, lab.truth())
+    return document, truth
 
 
 def _record(draft: Draft, plan_run: Run, world_now: _WorldNow) -> tuple[SimulatedLab, Execution]:
@@ -146,92 +176,9 @@ def _record(draft: Draft, plan_run: Run, world_now: _WorldNow) -> tuple[Simulate
         "run": draft.run_id,
         "plan": plan_run.id,
         "experiment": experiment.name,
-        "lab": "simulated",
+        "lab": SIMULATED,
         "clock": "virtual",
     }
     attachments = {"plan.yaml": plan_run.file(PLAN).read_bytes(), "experiment.yaml": dump_model(experiment).encode()}
-    with RecordingWriter(draft.add(RECORDING, "trial.mcap"), provenance, attachments) as writer:
-        return lab, execute(reference, lab, lab, TrialRecorder(writer, lab.ticks_per_s))
-
-
-def _trial(recording: Recording, execution: Execution, plan_run: str, experiment: Experiment) -> TrialDocument:
-    mocap = recording.mocap()
-    return TrialDocument(
-        plan=plan_run,
-        lab="simulated",
-        seed=experiment.lab.seed,
-        outcome=_outcome(mocap, experiment),
-        started_ns=execution.start_ns,
-        finished_ns=execution.stop_ns,
-        frames=_frames(mocap),
-        tracking_error=_tracking(recording, execution, experiment),
-        recording_file="trial.mcap",
-    )
-
-
-def _outcome(mocap: MocapSeries, experiment: Experiment) -> Outcome:
-    """Held, if the object was seen within its own reach of the hand in the last frames."""
-    last = int(mocap.frames.frame[-1]) - round(0.2 * experiment.lab.cameras.rate_hz)
-    hand = {int(frame): index for index, frame in enumerate(mocap.hand.sequence) if frame > last}
-    seen = experiment.lab.cameras
-    markers_m = np.linalg.norm(seen.hand_markers.position_m) + np.linalg.norm(seen.object_markers.position_m)
-    reach_m = np.hypot(experiment.object.size_x_m, experiment.object.size_y_m) / 2 + markers_m
-    near = [
-        np.linalg.norm(mocap.object.position_m[index] - mocap.hand.position_m[hand[int(frame)]]) < reach_m
-        for index, frame in enumerate(mocap.object.sequence)
-        if int(frame) in hand
-    ]
-    return "held" if near and np.mean(near) > 0.5 else "lost"
-
-
-def _frames(mocap: MocapSeries) -> FrameCounts:
-    seen = mocap.frames.hand_valid & mocap.frames.object_valid
-    times_s = 1e-9 * mocap.frames.received_ns[seen]
-    return FrameCounts(
-        taken=len(mocap.frames.frame),
-        hand_missing=int(np.sum(~mocap.frames.hand_valid)),
-        object_missing=int(np.sum(~mocap.frames.object_valid)),
-        longest_gap_s=float(np.max(np.diff(times_s), initial=0.0)),
-    )
-
-
-def _tracking(recording: Recording, execution: Execution, experiment: Experiment) -> TrackingError:
-    commanded, measured = recording.joints(topics.COMMANDED), recording.joints(topics.MEASURED)
-    moving = (commanded.stamp_ns >= execution.start_ns) & (commanded.stamp_ns <= execution.stop_ns)
-    model = nominal_model(setup(experiment, experiment.friction).tool)
-    error = hand_error(model, commanded.position_rad[moving], measured.position_rad[moving])
-    return TrackingError(
-        position_rms_m=float(np.sqrt(np.mean(error.position_m**2))),
-        position_peak_m=float(np.max(error.position_m)),
-        angle_rms_rad=float(np.sqrt(np.mean(error.angle_rad**2))),
-        angle_peak_rad=float(np.max(error.angle_rad)),
-    )
-
-
-def _truth(truth: Truth, trial: TrialDocument, experiment: Experiment) -> TruthDocument:
-    time_s = 1e-9 * (truth.hand.stamp_ns - trial.started_ns)
-    rate = np.diff(truth.r_f_b, axis=0) / np.diff(time_s)[:, None]
-    speed = np.hypot(np.hypot(rate[:, 0], rate[:, 1]), rate[:, 2] * experiment.grasp.rho_m)
-    sliding = np.flatnonzero(speed > SLIDES_ABOVE_M_S)
-    return TruthDocument(
-        friction=experiment.lab.friction,
-        normal_force_per_finger_n=experiment.lab.normal_force_per_finger_n,
-        kappa_m_s2=experiment.true_kappa_m_s2,
-        rho_m=experiment.grasp.rho_m,
-        initial_relative_pose=Pose.of(truth.r_f_b[0]),
-        final_relative_pose=Pose.of(truth.r_f_b[-1]),
-        slide_start_s=float(time_s[sliding[0]]) if len(sliding) else None,
-        slide_stop_s=float(time_s[sliding[-1] + 1]) if len(sliding) else None,
-        outcome=trial.outcome,
-    )
-
-
-def _write(draft: Draft, document: TrialDocument, truth: TruthDocument, poses: Truth) -> None:
-    draft.add(TRIAL, "trial.yaml").write_text(dump_model(document), encoding="utf-8")
-    draft.add(TRUTH, "truth.yaml").write_text(dump_model(truth), encoding="utf-8")
-    with RecordingWriter(draft.add(TRUE_POSES, "truth.mcap"), {"run": draft.run_id}) as writer:
-        write_series(writer, Series(poses={TRUE_HAND: poses.hand, TRUE_OBJECT: poses.object}))
-    if document.tracking_error is not None:
-        draft.report("tracking_error_rms", document.tracking_error.position_rms_m, unit="m")
-    if document.outcome == "lost":
-        draft.state = RunState.LOST
+    with RecordingWriter(draft.add(RECORDING, RECORDING_FILE), provenance, attachments) as writer:
+        return lab, execute(rest_move_rest(reference), lab, lab, TrialRecorder(writer, lab.ticks_per_s))

@@ -18,8 +18,9 @@ from slidepipe.artifacts.strict_yaml import load, loads
 from slidepipe.artifacts.trial import TrialDocument, TruthDocument
 from slidepipe.mechanics.planar import MotionPlane, relative_pose
 from slidepipe.series import FloatArray, IntArray, JointSeries, PoseSeries
-from slidepipe.stages.execute import RECORDING, TRIAL, TRUTH
 from slidepipe.stages.translate import motion_plane
+from slidepipe.stages.trial_facts import RECORDING, TRIAL
+from slidepipe.stages.trial_files import TRUTH
 
 PLANAR = ("x_m", "y_m", "theta_rad")
 

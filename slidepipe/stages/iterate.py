@@ -21,7 +21,6 @@ from slidepipe.planning.replan import FrictionInterval
 from slidepipe.series import FloatArray
 from slidepipe.stages.belief import FrictionBelief, believe
 from slidepipe.stages.estimate import ESTIMATE
-from slidepipe.stages.execute import RECORDING
 from slidepipe.stages.explain import explain, reason_of
 from slidepipe.stages.goal import miss, within_tolerance
 from slidepipe.stages.learn import correction_document, learn, with_correction
@@ -29,6 +28,7 @@ from slidepipe.stages.motions import next_plan
 from slidepipe.stages.past import PastTrial, past_trials
 from slidepipe.stages.plan_files import EXPERIMENT, PLAN, Occasion, write_plan
 from slidepipe.stages.translate import vector
+from slidepipe.stages.trial_facts import RECORDING
 
 STAGE, STAGE_VERSION = "iterate", 2
 WHY, ARM = "why", "arm"

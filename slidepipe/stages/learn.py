@@ -12,9 +12,9 @@ from slidepipe.errors import InfeasibleError
 from slidepipe.planning.limits import check_arm
 from slidepipe.planning.planner import Plan
 from slidepipe.series import FloatArray
-from slidepipe.stages.execute import RECORDING
 from slidepipe.stages.past import PastTrial
 from slidepipe.stages.translate import setup
+from slidepipe.stages.trial_facts import RECORDING
 
 
 def learn(past: tuple[PastTrial, ...], experiment: Experiment) -> ArmCorrection:

@@ -1,7 +1,7 @@
 """The two pictures of a campaign, in the manner of the paper's Figs. 10 and 11: its first and its last trial."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -19,9 +19,10 @@ from slidepipe.figures.tracking import TrackingPanel, draw_tracking
 from slidepipe.mechanics.planar import MotionPlane, relative_pose
 from slidepipe.series import BoolArray, FloatArray, IntArray, PoseSeries
 from slidepipe.stages.estimate import SMOOTHED, SMOOTHED_HAND, SMOOTHED_RELATIVE
-from slidepipe.stages.execute import RECORDING, TRIAL, TRUE_HAND, TRUE_OBJECT, TRUE_POSES
 from slidepipe.stages.plan_files import PLAN, REFERENCE, REFERENCE_HAND, REFERENCE_OBJECT
 from slidepipe.stages.translate import motion_plane, vector
+from slidepipe.stages.trial_facts import RECORDING, TRIAL
+from slidepipe.stages.trial_files import SIMULATED, TRUE_HAND, TRUE_OBJECT, TRUE_POSES
 
 MARGIN_S = 0.1
 """How much of the rests before and after a motion is shown."""
@@ -81,10 +82,8 @@ class _View:
         time_s, shown = self._shown(smoothed.stamp_ns)
         raw_ns, raw = self._raw()
         raw_time_s, raw_shown = self._shown(raw_ns)
-        true_ns, truth = self._truth()
-        true_time_s, true_shown = self._shown(true_ns)
         tolerance = self._experiment.goal.tolerance
-        return SlidingPanel(
+        panel = SlidingPanel(
             title=self._title,
             time_s=self._time_s,
             planned=self._planned(),
@@ -94,11 +93,16 @@ class _View:
             smoothed=smoothed.pose[shown],
             slide_s=self._slide_s,
             goal=vector(self._experiment.goal.relative_pose),
-            truth=truth[true_shown],
+            truth=None,
             position_tolerance_m=tolerance.position_m,
             angle_tolerance_rad=tolerance.angle_rad,
-            truth_time_s=true_time_s[true_shown],
         )
+        return panel if self._trial.lab != SIMULATED else self._with_truth(panel)
+
+    def _with_truth(self, panel: SlidingPanel) -> SlidingPanel:
+        stamp_ns, truth = self._truth()
+        time_s, shown = self._shown(stamp_ns)
+        return replace(panel, truth=truth[shown], truth_time_s=time_s[shown])
 
     def _planned(self) -> FloatArray:
         """Planned relative pose, its angle counted so that it ends at the goal's."""

@@ -1,23 +1,34 @@
 """What the loop says, into a recording."""
 
-from slidepipe.artifacts import topics
+from dataclasses import asdict
+
+from slidepipe.artifacts import messages, topics
 from slidepipe.artifacts.recording_writer import RecordingWriter
+from slidepipe.lab.camera_clock import CameraClock
 from slidepipe.lab.protocols import ClockExchange, JointCommand, JointState, MocapFrame
+from slidepipe.series import StreamStatistics
 
 
 class TrialRecorder:
     """Implements the loop's ``Recorder`` on a recording.
 
-    A frame's time on the host's clock is told by the echo with the shortest round trip so far; the raw ticks and every
+    A frame's time on the host's clock is told by the echo with the shortest round trip of late; the raw ticks and every
     echo are recorded as well, so that an estimate can do better.
+
+    Attributes
+    ----------
+    latest_ns : int
+        Stamp of the arm's last tick.
     """
 
     def __init__(self, writer: RecordingWriter, ticks_per_s: float) -> None:
         self._writer, self._ticks_per_s = writer, ticks_per_s
-        self._best: ClockExchange | None = None
+        self._clock = CameraClock(ticks_per_s)
+        self._ticks = self.latest_ns = 0
 
     def joints(self, command: JointCommand, state: JointState) -> None:
         """Record one tick of the arm."""
+        self.latest_ns = state.stamp_ns
         self._writer.joints(
             topics.COMMANDED,
             stamp_ns=state.stamp_ns,
@@ -25,6 +36,7 @@ class TrialRecorder:
             position_rad=command.position_rad,
             velocity_rad_s=command.velocity_rad_s,
             effort_n_m=command.feedforward_n_m,
+            sequence=self._ticks,
         )
         self._writer.joints(
             topics.MEASURED,
@@ -33,11 +45,14 @@ class TrialRecorder:
             position_rad=state.position_rad,
             velocity_rad_s=state.velocity_rad_s,
             effort_n_m=state.effort_n_m,
+            sequence=self._ticks,
         )
+        self._ticks += 1
 
     def frame(self, frame: MocapFrame) -> None:
         """Record one camera frame and the bodies that were seen in it."""
-        stamp_ns = self._host_ns(frame)
+        known_ns = self._clock.host_ns(frame.ticks)
+        stamp_ns = frame.received_ns if known_ns is None else known_ns
         self._writer.frame(
             stamp_ns=stamp_ns,
             received_ns=frame.received_ns,
@@ -59,8 +74,7 @@ class TrialRecorder:
 
     def clock(self, exchange: ClockExchange) -> None:
         """Record one echo."""
-        if self._best is None or _trip_ns(exchange) < _trip_ns(self._best):
-            self._best = exchange
+        self._clock.take(exchange)
         self._writer.clock(
             sent_ns=exchange.sent_ns,
             ticks=exchange.ticks,
@@ -68,16 +82,14 @@ class TrialRecorder:
             ticks_per_s=self._ticks_per_s,
         )
 
-    def event(self, stamp_ns: int, text: str) -> None:
+    def event(self, stamp_ns: int, text: str, level: str = "info") -> None:
         """Record that something happened."""
-        self._writer.event(stamp_ns=stamp_ns, log_ns=stamp_ns, name="loop", message=text)
+        self._writer.event(stamp_ns=stamp_ns, log_ns=stamp_ns, name="loop", message=text, level=level)
 
-    def _host_ns(self, frame: MocapFrame) -> int:
-        if self._best is None:
-            return frame.received_ns
-        middle_ns = (self._best.sent_ns + self._best.received_ns) // 2
-        return max(0, middle_ns + round(1e9 * (frame.ticks - self._best.ticks) / self._ticks_per_s))
+    def tick(self, stamp_ns: int, late_ns: int) -> None:
+        """Record that a tick was due, and how late it began."""
+        self._writer.counts(topics.TICKS, messages.TICK, stamp_ns=stamp_ns, late_ns=late_ns)
 
-
-def _trip_ns(exchange: ClockExchange) -> int:
-    return exchange.received_ns - exchange.sent_ns
+    def statistics(self, statistics: StreamStatistics) -> None:
+        """Record the statistics so far."""
+        self._writer.counts(topics.STATISTICS, messages.STATISTICS, **asdict(statistics))

@@ -18,6 +18,7 @@ from slidepipe.artifacts.values import Pose
 from slidepipe.stages import estimate, execute, plan
 from slidepipe.stages.goal import error_of
 from slidepipe.stages.plan_files import EXPERIMENT, PLAN
+from slidepipe.stages.trial_files import TRUTH
 
 STAGE, STAGE_VERSION = "repeat", 1
 REPEAT = "repeat"
@@ -113,9 +114,9 @@ def _repetition(
 
 
 def _truth(trial: Run) -> TruthDocument | None:
-    if all(one.role != execute.TRUTH for one in trial.manifest.outputs):
+    if all(one.role != TRUTH for one in trial.manifest.outputs):
         return None
-    return parse(TruthDocument, load(trial.file(execute.TRUTH)))
+    return parse(TruthDocument, load(trial.file(TRUTH)))
 
 
 def _document(experiment: Experiment, plan_run: Run, rows: tuple[Repetition, ...]) -> RepeatDocument:

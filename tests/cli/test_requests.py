@@ -40,6 +40,7 @@ def test_execute(call, stages) -> None:
             *("slidepipe", "--data", "elsewhere", "execute", "k3f9"),
             *("--set", "lab.friction=0.4", "--seed", "7"),
         ),
+        "lab": None,
     }
 
 
@@ -105,6 +106,7 @@ def test_run(call, stages) -> None:
             *("--way", "learned", "--set", "lab.seed=2"),
         ),
         "report": render.note,
+        "lab": None,
     }
 
 
@@ -153,6 +155,7 @@ def test_one_object_and_nothing_else(call, verb: str) -> None:
     name = {"execute": "trial", "iterate": "plan", "run": "campaign"}.get(verb, verb)
     version = 2 if name in ("estimate", "campaign") else 1
     assert next(iter(told["document"].items())) == ("schema", f"slidepipe.{name}/{version}")
+    assert next(iter(told["document"].items())) == ("schema", f"slidepipe.{name}/{2 if name == 'trial' else 1}")
 
 
 def test_the_truth_is_told_where_it_is_known(call, stages) -> None:

@@ -5,12 +5,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from slidepipe.lab.cameras import CameraSettings
+from slidepipe.lab.course import rest_move_rest
 from slidepipe.lab.loop import Execution, execute
 from slidepipe.lab.protocols import ClockExchange, JointCommand, JointState, MocapFrame
 from slidepipe.lab.simulated import SimulatedLab, Tracker, Truth
 from slidepipe.lab.world import ContactSettings, WorldSettings
 from slidepipe.planning.planner import Plan, Setup
-from slidepipe.series import JointSeries
+from slidepipe.series import JointSeries, StreamStatistics
 
 CONTACT = ContactSettings(timestep_s=5e-5, solref_s=2e-4, impratio=1000.0)
 CAMERAS = CameraSettings(
@@ -25,7 +26,9 @@ CAMERAS = CameraSettings(
 )
 
 
-def world(setup: Setup, *, prescribed: bool, friction: float | None = None) -> WorldSettings:
+def world(
+    setup: Setup, *, prescribed: bool, friction: float | None = None, contact: ContactSettings = CONTACT
+) -> WorldSettings:
     """The world that a plan believes in, but for an arm that is 5 % heavier and rubs 20 % more."""
     finger = setup.finger
     return WorldSettings(
@@ -39,7 +42,7 @@ def world(setup: Setup, *, prescribed: bool, friction: float | None = None) -> W
         prescribed=prescribed,
         mass_error=0.05,
         joint_friction_scale=1.2,
-        contact=CONTACT,
+        contact=contact,
     )
 
 
@@ -62,6 +65,8 @@ class Notes:
     frames: list[MocapFrame] = field(default_factory=list)
     echoes: list[ClockExchange] = field(default_factory=list)
     events: list[tuple[int, str]] = field(default_factory=list)
+    late_ns: list[int] = field(default_factory=list)
+    totals: list[StreamStatistics] = field(default_factory=list)
     order: str = ""
 
     def joints(self, command: JointCommand, state: JointState) -> None:
@@ -80,6 +85,12 @@ class Notes:
     def event(self, stamp_ns: int, text: str) -> None:
         self.events.append((stamp_ns, text))
         self.order += "e"
+
+    def tick(self, stamp_ns: int, late_ns: int) -> None:  # noqa: ARG002  # the protocol's
+        self.late_ns.append(late_ns)
+
+    def statistics(self, statistics: StreamStatistics) -> None:
+        self.totals.append(statistics)
 
 
 @dataclass(frozen=True)
@@ -104,7 +115,7 @@ def run_trial(plan: Plan, setup: Setup, tracker: Tracker, *, seed: int = 1, fric
         random=np.random.default_rng(seed),
     )
     notes = Notes()
-    execution = execute(asked, lab, lab, notes)
+    execution = execute(rest_move_rest(asked), lab, lab, notes)
     return Trial(lab.truth(), notes, execution, asked)
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from lab_setups import Notes
 
+from slidepipe.lab.course import rest_move_rest
 from slidepipe.lab.loop import MOTION_ENDS, MOTION_STARTS, Execution, execute
 from slidepipe.lab.protocols import Arm, ClockExchange, JointCommand, JointState, MocapFrame, MotionCapture, Recorder
 from slidepipe.series import JointSeries
@@ -63,7 +64,7 @@ def run() -> Run:
     reference = JointSeries(np.arange(COUNT) * 2_000_000, position, velocity, effort)
     arm, cameras, notes = PretendArm(), PretendCameras(), Notes()
     roles: tuple[Arm, MotionCapture, Recorder] = (arm, cameras, notes)
-    return Run(reference, arm, cameras, notes, execute(reference, *roles))
+    return Run(reference, arm, cameras, notes, execute(rest_move_rest(reference), *roles))
 
 
 def test_the_arm_rests_half_a_second_before_and_after(run: Run) -> None:

@@ -3,7 +3,7 @@
 from rich.console import RenderableType
 
 from slidepipe.artifacts.run import Run
-from slidepipe.artifacts.trial import TrialDocument, TruthDocument
+from slidepipe.artifacts.trial import StreamReport, TrialDocument, TruthDocument
 from slidepipe.cli.views.tables import (
     NONE,
     angle_mrad,
@@ -39,6 +39,18 @@ def _rows(trial: TrialDocument) -> list[tuple[str, str]]:
         ("lasted", f"{fixed(1e-9 * (trial.finished_ns - trial.started_ns), 3)} s"),
         ("tracking error", _tracking(trial)),
         ("frames", f"{frames.taken}, {_missing(trial)}, longest gap {fixed(1e3 * frames.longest_gap_s, 1)} ms"),
+        *(_stream(trial.stream) if trial.stream is not None else ()),
+        *((name, text) for name, text in (("stopped", trial.stopped), ("invalid", trial.invalid)) if text is not None),
+    ]
+
+
+def _stream(stream: StreamReport) -> list[tuple[str, str]]:
+    p50, p99, top = (fixed(1e6 * late_s, 0) for late_s in (stream.late_p50_s, stream.late_p99_s, stream.late_max_s))
+    lost = stream.states_lost + stream.frames_missing + stream.records_lost
+    return [
+        ("stream", f"{stream.ticks} ticks, late by {p50} us median, {p99} us in 99 %, {top} us at most"),
+        ("messages lost", f"{lost}, longest gap between commands {fixed(1e3 * stream.longest_gap_s, 1)} ms"),
+        *(("not permitted", line) for line in stream.not_permitted),
     ]
 
 

@@ -1,0 +1,77 @@
+"""A laboratory in another process, over real sockets on this machine."""
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+LABS = Path(__file__).resolve().parents[2] / "experiments" / "labs"
+PATIENCE_S = 60.0
+SLIDEPIPE = [sys.executable, "-m", "slidepipe"]
+
+
+def free_ports(count: int) -> list[int]:
+    sockets = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(count)]
+    try:
+        for one in sockets:
+            one.bind(("127.0.0.1", 0))
+        return [one.getsockname()[1] for one in sockets]
+    finally:
+        for one in sockets:
+            one.close()
+
+
+def lab_file(directory: Path, **changes: str) -> Path:
+    """The shipped loopback lab on ports that are free here, with other text in the place of some of it."""
+    text = (LABS / "loopback.yaml").read_text()
+    local, remote, command, data = free_ports(4)
+    ports = {"port: 5555": f"port: {local}", "port: 5556": f"port: {remote}", "command_port: 1510":
+             f"command_port: {command}", "data_port: 1511": f"data_port: {data}"}  # fmt: skip
+    for old, new in (ports | {key.replace("__", ": "): value for key, value in changes.items()}).items():
+        assert old in text
+        text = text.replace(old, new)
+    path = directory / "lab.yaml"
+    path.write_text(text)
+    return path
+
+
+@dataclass
+class Served:
+    """A lab that is played by another process."""
+
+    process: subprocess.Popen[str]
+    report: dict[str, object] | None = None
+
+    def end(self) -> dict[str, object]:
+        """Have it end, and return what it says of how it kept time."""
+        if self.report is None:
+            self.process.send_signal(signal.SIGINT)
+            out, _ = self.process.communicate(timeout=PATIENCE_S)
+            self.report = json.loads(out)
+        return self.report
+
+
+@contextmanager
+def serving(experiment: Path, lab: Path, *options: str):
+    """Play a lab until the block is left."""
+    command = [*SLIDEPIPE, "lab", "serve", str(experiment), "--lab", str(lab), "--json", *options]
+    environment = os.environ | {"OMP_NUM_THREADS": "1"}
+    process = subprocess.Popen(  # noqa: S603  # ourselves
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment
+    )
+    served = Served(process)
+    try:
+        assert process.stderr is not None
+        line = process.stderr.readline()
+        assert line.startswith("serving lab "), line + process.stderr.read()
+        time.sleep(0.1)
+        yield served
+    finally:
+        process.kill()
+        process.communicate()
