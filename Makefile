@@ -6,7 +6,7 @@ STAMP  := $(VENV)/.installed
 DEV    := $(VENV)/.installed-dev
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench recorded clean
+.PHONY: help demo figures test check bench recorded clean
 
 help:  ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -24,6 +24,9 @@ $(DEV): pyproject.toml | $(BIN)/python
 
 demo: $(STAMP)  ## install, then plan, execute, estimate and iterate a regrasp on the simulated lab
 	$(BIN)/slidepipe run experiments/regrasp.yaml
+
+figures: $(STAMP)  ## draw the paper's figures into figures/, and its numbers beside ours into docs/paper.md
+	$(BIN)/slidepipe figures --table docs/paper.md
 
 test: $(DEV)  ## install, then run the tests
 	$(BIN)/python -m pytest
