@@ -15,7 +15,7 @@ from slidepipe.cli.exits import ExitCode, exit_code
 from slidepipe.cli.session import Session
 from slidepipe.errors import SlidepipeError
 
-VERBS = ("plan", "execute", "estimate", "iterate", "run", "figures", "report", "ls", "show")
+VERBS = ("plan", "execute", "estimate", "iterate", "run", "figures", "report", "view", "ls", "show")
 """The commands in the order in which help shows them; each is ``slidepipe.cli.NAME``."""
 
 _COMMAND = "slidepipe.command"
