@@ -19,8 +19,8 @@ from slidepipe.cli.session import Session
     exits={ExitCode.OK: "shown, or written", ExitCode.NOT_FOUND: "no such run or file, or no rerun installed"},
 )
 @options.run_argument("trial_run")
-@click.option("--save", type=click.Path(path_type=Path, dir_okay=False), metavar="FILE.rrd",
-              help="Write a file that 'rerun FILE.rrd' opens, and open nothing.")  # fmt: skip
+@click.option("--save", type=click.Path(path_type=Path, dir_okay=False), metavar="FILE",
+              help="Open nothing, and write a file: .rrd for 'rerun FILE', .mcap for Foxglove.")  # fmt: skip
 @options.as_json
 @click.pass_obj
 def command(session: Session, *, trial_run: str, save: Path | None, as_json: bool) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from slidepipe.errors import NotFoundError
-from slidepipe.series import FloatArray, JointSeries, PoseSeries
+from slidepipe.series import FloatArray, IntArray, JointSeries, PoseSeries
 
 TIMELINE = "motion"
 ARM, HAND, BLOCK = "world/arm", "world/hand", "world/block"
@@ -41,9 +41,9 @@ class Replay:
     block: PoseSeries
     joints: JointSeries
     commanded: JointSeries
-    arm_stamp_ns: FloatArray
+    arm_stamp_ns: IntArray
     arm_m: FloatArray
-    relative_stamp_ns: FloatArray
+    relative_stamp_ns: IntArray
     relative: FloatArray
     block_size_m: FloatArray
 

@@ -10,6 +10,7 @@ from slidepipe.arm.model import nominal_model
 from slidepipe.artifacts import topics
 from slidepipe.artifacts.experiment import Experiment
 from slidepipe.artifacts.recording_reader import Recording, read_recording
+from slidepipe.artifacts.scene_file import SceneSeries, write_scene
 from slidepipe.artifacts.schema import parse
 from slidepipe.artifacts.store import Store
 from slidepipe.artifacts.strict_yaml import loads
@@ -83,9 +84,9 @@ def replay_of(recording: Recording, name: str) -> Replay:
         block=body,
         joints=joints,
         commanded=commanded,
-        arm_stamp_ns=joints.stamp_ns[::ARM_EVERY].astype(np.float64),
+        arm_stamp_ns=joints.stamp_ns[::ARM_EVERY],
         arm_m=link_points(model, joints.position_rad[::ARM_EVERY]),
-        relative_stamp_ns=hand.stamp_ns[first].astype(np.float64),
+        relative_stamp_ns=hand.stamp_ns[first],
         relative=relative * np.array([1e3, 1e3, np.degrees(1.0)]),
         block_size_m=np.array([thing.size_x_m, thing.size_y_m, thing.thickness_m]),
     )
@@ -100,14 +101,22 @@ def _started(recording: Recording) -> int:
 
 
 def _save(replay: Replay, path: Path) -> None:
-    if path.suffix != ".rrd":
-        raise InputError(f"--save {path}: the viewer's files end in .rrd")
+    if path.suffix not in {".rrd", ".mcap"}:
+        raise InputError(f"--save {path}: must end in .rrd (for rerun) or .mcap (for Foxglove)")
     draft = path.with_name(f".{path.name}.tmp")
     try:
         draft.touch()
-        save_replay(replay, draft)
+        if path.suffix == ".rrd":
+            save_replay(replay, draft)
+        else:
+            draft.unlink()
+            write_scene(draft, _scene(replay), replay.name)
         draft.replace(path)
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from None
     finally:
         draft.unlink(missing_ok=True)
+
+
+def _scene(replay: Replay) -> SceneSeries:
+    return SceneSeries(replay.hand, replay.block, replay.block_size_m, replay.arm_stamp_ns, replay.arm_m)

@@ -4,11 +4,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
+from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 
 from slidepipe.arm.kinematics import link_points
 from slidepipe.arm.model import Tool, nominal_model
 from slidepipe.artifacts import messages, recording_reader
 from slidepipe.artifacts.recording_reader import read_recording
+from slidepipe.artifacts.scene_file import ARM_TOPIC, BODIES_TOPIC, FRAMES_TOPIC
 from slidepipe.artifacts.store import Store
 from slidepipe.errors import InputError, NotFoundError
 from slidepipe.figures import replay
@@ -67,9 +70,29 @@ def test_the_scene_is_what_was_recorded():
     assert sent["relative/theta_deg"] == len(told.relative)
 
 
+def test_the_scene_for_foxglove_has_the_block_where_it_was_seen(tmp_path: Path):
+    path = tmp_path / "scene.mcap"
+    run(ViewRequest(str(RECORDED), Store(tmp_path / "data"), path))
+    told, scene = replay_of(read_recording(RECORDED), "trial"), read_recording(path)
+    frames = [FrameTransforms.FromString(one).transforms[0] for one in scene.payloads(FRAMES_TOPIC)]
+    block = [one for one in frames if one.child_frame_id == "block"]
+    seen = [[one.translation.x, one.translation.y, one.translation.z] for one in block]
+    np.testing.assert_array_equal(seen, told.block.position_m)
+    assert {one.parent_frame_id for one in frames} == {"base"}
+    (bodies,) = [SceneUpdate.FromString(one) for one in scene.payloads(BODIES_TOPIC)]
+    assert {one.frame_id for one in bodies.entities} == {one.child_frame_id for one in frames}
+    size = bodies.entities[0].cubes[0].size
+    assert [size.x, size.y, size.z] == list(told.block_size_m)
+    arm = [SceneUpdate.FromString(one).entities[0].lines[0].points for one in scene.payloads(ARM_TOPIC)]
+    np.testing.assert_array_equal([[[p.x, p.y, p.z] for p in one] for one in arm], told.arm_m)
+    assert np.all(np.diff(np.concatenate([scene.log_ns(FRAMES_TOPIC)])) >= 0)
+
+
 def test_what_cannot_be_shown_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     store = Store(tmp_path / "data")
-    with pytest.raises(InputError, match=r"^--save a\.txt: the viewer's files end in \.rrd$"):
+    with pytest.raises(
+        InputError, match=r"^--save a\.txt: must end in \.rrd \(for rerun\) or \.mcap \(for Foxglove\)$"
+    ):
         run(ViewRequest(str(RECORDED), store, Path("a.txt")))
     with pytest.raises(InputError, match=r"a\.rrd: cannot be written: No such file or directory"):
         run(ViewRequest(str(RECORDED), store, tmp_path / "none" / "a.rrd"))
@@ -79,12 +102,17 @@ def test_what_cannot_be_shown_is_told(tmp_path: Path, monkeypatch: pytest.Monkey
     assert not list(tmp_path.iterdir())
 
 
-def test_every_path_of_the_foxglove_layout_is_in_the_recordings(regrasp):
+def test_every_path_of_the_foxglove_layout_is_in_the_files(regrasp, tmp_path: Path):
     layout = json.loads(LAYOUT.read_text())
     store = regrasp[1]
     topics = {}
-    for stage, role in (("execute", "recording"), ("estimate", "smoothed")):
-        recording = read_recording(store.runs(stage=stage)[-1].file(role))
+    files = [
+        store.runs(stage=stage)[-1].file(role) for stage, role in (("execute", "recording"), ("estimate", "smoothed"))
+    ]
+    files.append(tmp_path / "scene.mcap")
+    run(ViewRequest("@latest:execute", store, files[-1]))
+    for file in files:
+        recording = read_recording(file)
         topics.update({topic: recording._topic(topic) for topic in recording.topic_names})
     shown = [one["value"] for panel in layout["configById"].values() for one in panel.get("paths", [])]
     assert len(shown) > 20
@@ -97,6 +125,6 @@ def test_every_path_of_the_foxglove_layout_is_in_the_recordings(regrasp):
             described = field.message_type
     scene = layout["configById"]["3D!scene"]
     assert set(scene["topics"]) <= set(topics)
-    assert {topics[name].schema for name in scene["topics"]} == {"foxglove.PoseInFrame"}
+    assert {topics[name].schema for name in scene["topics"]} == {"foxglove.PoseInFrame", "foxglove.SceneUpdate"}
     panels = re.findall(r'"(\w+!\w+)"', json.dumps(layout["layout"]))
     assert sorted(panels) == sorted(layout["configById"])
