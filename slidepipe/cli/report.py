@@ -27,7 +27,7 @@ def command(session: Session, *, subject: str, path: Path, as_json: bool) -> Non
     """Write a report, and say where it is."""
     from slidepipe.stages.report import ReportRequest, run
 
-    result = run(ReportRequest(subject, path, session.store()))
+    result = run(ReportRequest(reference=subject, path=path, store=session.store()))
     if as_json:
         content = {"subject": result.subject, "file": str(result.path), "trials": list(result.trials)}
         render.put_json("slidepipe.report/1", {**content, "warnings": list(result.warnings), "bytes": result.size})

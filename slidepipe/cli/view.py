@@ -27,7 +27,7 @@ def command(session: Session, *, trial_run: str, save: Path | None, as_json: boo
     """Show a trial, or write what would be shown."""
     from slidepipe.stages.view import ViewRequest, run
 
-    result = run(ViewRequest(trial_run, session.store(), save))
+    result = run(ViewRequest(trial=trial_run, store=session.store(), save=save))
     if as_json:
         content = {"trial": result.name, "poses": result.poses, "joints": result.joints}
         render.put_json("slidepipe.view/1", {**content, "file": str(save) if save else None})

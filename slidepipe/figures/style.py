@@ -50,7 +50,7 @@ CONTACT = _look(facecolor="#b3261e", edgecolor="white", linewidth=0.5)
 """Where the finger touches."""
 FINGER = _look(color="#8b4513", linewidth=1.6, solid_capstyle="round")
 """Which way the finger points."""
-FORCE, VELOCITY = "#8b4513", "#0b8ca6"
+FORCE, VELOCITY = "#8b4513", "#2fb0cc"
 """Friction, and the sliding velocity that belongs to it."""
 SURFACE = "#9aa7b4"
 """Limit surfaces."""

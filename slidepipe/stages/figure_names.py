@@ -14,3 +14,6 @@ TITLES = {
     "fig12": "Repeated trials in the space of the relative pose",
 }
 """Names and what each shows; Fig. 9 is a photograph."""
+
+CAPTIONS = "captions.md"
+"""The page with all captions, beside the figures."""

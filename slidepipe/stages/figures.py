@@ -8,13 +8,12 @@ from slidepipe.artifacts.store import Store
 from slidepipe.errors import InputError
 from slidepipe.figures.paper import save_figure
 from slidepipe.stages import paper_motions, paper_theory
-from slidepipe.stages.figure_names import TITLES
+from slidepipe.stages.figure_names import CAPTIONS, TITLES
 from slidepipe.stages.paper_claims import claims
 from slidepipe.stages.paper_page import captions_page, claims_page
 from slidepipe.stages.paper_runs import PaperRuns
 from slidepipe.stages.paper_theory import Drawn
 
-CAPTIONS = "captions.md"
 DRAW: dict[str, Callable[[PaperRuns], Drawn]] = {
     "fig01": paper_theory.fig01,
     "fig02": paper_theory.fig02,

@@ -2,14 +2,18 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rich.console import RenderableType
 
 from slidepipe.cli.views.tables import columns
-from slidepipe.stages.figures import CAPTIONS, FigureWritten
+from slidepipe.stages.figure_names import CAPTIONS
+
+if TYPE_CHECKING:
+    from slidepipe.stages.figures import FigureWritten
 
 
-def figures_view(written: Sequence[FigureWritten], table: Path | None) -> list[RenderableType]:
+def figures_view(written: Sequence["FigureWritten"], table: Path | None) -> list[RenderableType]:
     """One line for each figure, and where the captions and the numbers are."""
     shown = columns("figure", "shows", "files")
     for one in written:
