@@ -38,7 +38,8 @@ def test_every_trial_estimate_run_and_hash_is_on_it(text, regrasp):
     for row in campaign.document.rows:
         assert f"<td>{row.runs.execute}</td>" in text
         assert f"{1e3 * row.error_m:.2f}</td><td>{1e3 * row.error_rad:.1f}" in text
-    for run in store.runs():
+    named = [campaign.run.id, *(run for row in campaign.document.rows for run in row.runs.model_dump().values())]
+    for run in map(store.get, named):
         assert run.id in text
         assert run.manifest.recipe[:12] in text
         assert all(output.sha256 in text for output in run.manifest.outputs)
