@@ -9,7 +9,7 @@ BENCH  := $(VENV)/.installed-bench
 PEERS  := tests/lab/natnet/test_natnet_peers.py tests/artifacts/test_recording_peers.py
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check check-peers bench real-data recorded clean
+.PHONY: help demo figures browser test check check-peers bench real-data recorded clean
 
 help:  ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -32,6 +32,9 @@ $(BENCH): pyproject.toml | $(BIN)/python
 demo: $(STAMP)  ## install, then plan, execute, estimate and iterate a regrasp on the simulated lab
 	$(BIN)/slidepipe run experiments/regrasp.yaml
 
+figures: $(STAMP)  ## draw the paper's figures into figures/, and its numbers beside ours into docs/paper.md
+	$(BIN)/slidepipe figures --table docs/paper.md
+
 test: $(DEV)  ## install, then run the tests
 	$(BIN)/python -m pytest
 
@@ -47,6 +50,10 @@ check-peers: $(DEV)  ## install NatNet clients and MCAP readers that others wrot
 	  npm install --silent --ignore-scripts --no-fund --no-audit --prefix build/peers @mcap/core@2 @mcap/support@1 \
 	    || echo "npm cannot install @mcap/core: its test is skipped"; fi
 	$(BIN)/python -m pytest -rs $(PEERS)
+
+browser:  ## install the browser that the report's page is tested in (Debian, as root); its tests skip without one
+	command -v chromium chromedriver >/dev/null || \
+	  (apt-get update -qq && apt-get install -y -qq --no-install-recommends chromium chromium-driver >/dev/null)
 
 bench: $(BENCH)  ## install the peers, then measure speed and accuracy against them
 	@command -v cyclictest >/dev/null || apt-get install --yes --quiet rt-tests >/dev/null 2>&1 \

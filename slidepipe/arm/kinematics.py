@@ -36,6 +36,23 @@ def hand_error(model: mujoco.MjModel, joints_rad: FloatArray, other_rad: FloatAr
     )
 
 
+def link_points(model: mujoco.MjModel, joints_rad: FloatArray) -> FloatArray:
+    """Points along the arm (T, P, 3) in the base frame, m: the joints' anchors from the shoulder on, then the hand.
+
+    Parameters
+    ----------
+    model : MjModel
+    joints_rad : (T, 7)
+    """
+    data = mujoco.MjData(model)
+    points = np.empty((len(joints_rad), model.njnt + 1, 3))
+    for index, angles in enumerate(joints_rad):
+        data.qpos[:] = angles
+        mujoco.mj_kinematics(model, data)
+        points[index, :-1], points[index, -1] = data.xanchor, data.site(HAND).xpos
+    return points
+
+
 def _hand_poses(model: mujoco.MjModel, joints_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Positions (T, 3) and rotation matrices (T, 3, 3) of {f} in the base frame for joint angles (T, 7)."""
     data = mujoco.MjData(model)

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from typing import Any, Literal
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -117,7 +116,7 @@ class PlanPicture:
 
 def draw_plan(data: PlanPicture) -> Figure:
     """Draw a plan on one sheet, the panels (a) to (c), and (d) where its robustness is known."""
-    with mpl.rc_context(dict(style.SETTINGS)):
+    with style.applied():
         figure = Figure(figsize=(12.4, 6.8))
         figure.suptitle(data.title, fontsize=11.0, y=0.985)
         grid = figure.add_gridspec(1, 3, width_ratios=(1.1, 1.05, 0.95), left=0.06, right=0.985, top=0.9, bottom=0.13)
@@ -136,7 +135,7 @@ def draw_plan(data: PlanPicture) -> Figure:
 def _draw_plane(axes: Any, data: PlanPicture) -> None:
     axes.set_title("(a) hand and block in the plane {w}")
     moments = [data.phases[0].start_s, *(phase.stop_s for phase in data.phases)]
-    finger_m = 0.35 * float(max(data.block_size_m))
+    finger_m = 0.4 * float(max(data.block_size_m))
     for number, moment in enumerate(moments):
         index = int(np.argmin(np.abs(data.time_s - moment)))
         draw_block(axes, data.q_o[index], data.block_size_m, alpha=0.75, zorder=1)

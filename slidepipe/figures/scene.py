@@ -37,4 +37,4 @@ def draw_finger(axes: Any, pose: FloatArray, length_m: float, **changes: Any) ->
     x, y, theta = (float(value) for value in pose)
     tip = length_m * np.array([np.cos(theta), np.sin(theta)])
     axes.plot([x, x + tip[0]], [y, y + tip[1]], **{**style.FINGER, **changes})
-    axes.add_patch(Circle((x, y), 0.18 * length_m, zorder=changes.get("zorder", 2) + 1, **style.CONTACT))
+    axes.add_patch(Circle((x, y), 0.13 * length_m, zorder=changes.get("zorder", 2) + 1, **style.CONTACT))

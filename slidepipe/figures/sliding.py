@@ -84,6 +84,11 @@ class SlidingPanel:
 
 
 def draw_sliding(panels: Sequence[SlidingPanel], path: Path) -> None:
+    """Draw :func:`sliding_sheet` into a PNG at ``path``."""
+    sliding_sheet(panels).save(path)
+
+
+def sliding_sheet(panels: Sequence[SlidingPanel]) -> Sheet:
     """Draw x, y and theta of the finger in the body frame, with the goal and what its tolerance allows.
 
     The band about x and about y is the tolerance of the distance: a pose within both may still be too far away.
@@ -92,8 +97,6 @@ def draw_sliding(panels: Sequence[SlidingPanel], path: Path) -> None:
     ----------
     panels : sequence of SlidingPanel
         One column each: the first and the last trial, say.
-    path : Path
-        Where the PNG is written.
 
     Raises
     ------
@@ -108,7 +111,7 @@ def draw_sliding(panels: Sequence[SlidingPanel], path: Path) -> None:
     for index in range(len(POSE)):
         sheet.scale(index, [_shown(one, index) for one in panels])
     sheet.add_legend(_lines(panels), [("sliding", style.SLIDING), ("tolerance", style.BAND)])
-    sheet.save(path)
+    return sheet
 
 
 def _draw_row(sheet: Sheet, index: int, column: int, panel: SlidingPanel) -> None:

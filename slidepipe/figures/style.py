@@ -1,8 +1,11 @@
 """How every picture looks: one meaning, one line, told apart in grey as well as in colour."""
 
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from types import MappingProxyType
 from typing import Any
+
+import matplotlib as mpl
 
 DPI = 180
 PANEL_WIDTH_IN = 5.0
@@ -47,7 +50,7 @@ CONTACT = _look(facecolor="#b3261e", edgecolor="white", linewidth=0.5)
 """Where the finger touches."""
 FINGER = _look(color="#8b4513", linewidth=1.6, solid_capstyle="round")
 """Which way the finger points."""
-FORCE, VELOCITY = "#8b4513", "#0b8ca6"
+FORCE, VELOCITY = "#8b4513", "#2fb0cc"
 """Friction, and the sliding velocity that belongs to it."""
 SURFACE = "#9aa7b4"
 """Limit surfaces."""
@@ -77,6 +80,14 @@ SETTINGS = MappingProxyType(
         "figure.facecolor": "white",
         "figure.dpi": DPI,
         "savefig.dpi": DPI,
+        "pdf.fonttype": 42,
+        "svg.hashsalt": "slidepipe",
     }
 )
 """Settings of matplotlib that hold for every picture."""
+
+
+def applied() -> AbstractContextManager[None]:
+    """Context in which pictures are made and written."""
+    context: AbstractContextManager[None] = mpl.rc_context(dict(SETTINGS))
+    return context

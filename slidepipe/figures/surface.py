@@ -67,7 +67,7 @@ def draw_mesh(axes: Any, vertices: FloatArray, faces: IntArray) -> None:
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     length = np.linalg.norm(normal, axis=1, keepdims=True)
     light = np.array([-0.35, -0.55, 0.75])
-    shade = 0.62 + 0.38 * np.clip((normal / np.where(length > 0.0, length, 1.0)) @ light, -1.0, 1.0)
+    shade = 0.7 + 0.3 * np.clip((normal / np.where(length > 0.0, length, 1.0)) @ light, -1.0, 1.0)
     colour = np.clip(shade[:, None] * np.array([0.74, 0.79, 0.84]) / 0.85, 0.0, 1.0)
     axes.add_collection3d(Poly3DCollection(corner, facecolors=colour, edgecolors="#5c6670", linewidths=0.12, zorder=2))
 
@@ -85,8 +85,11 @@ def draw_arrow(axes: Any, start: FloatArray, vector: FloatArray, *, color: str, 
     side = side / max(float(np.linalg.norm(side)), 1e-9)
     base = tip - size * along
     head = np.array([tip, base + 0.38 * size * side, base - 0.38 * size * side])
-    axes.add_collection3d(Line3DCollection([np.array([start, base])], colors=[color], linewidths=width, zorder=12))
-    axes.add_collection3d(Poly3DCollection([head], facecolors=color, edgecolors=color, linewidths=0.4, zorder=13))
+    shaft = Line3DCollection([np.array([start, base])], colors=[color], linewidths=width, zorder=12)
+    point = Poly3DCollection([head], facecolors=color, edgecolors=color, linewidths=0.4, zorder=13)
+    for part in (shaft, point):
+        axes.add_collection3d(part)
+        part.set_clip_on(False)
 
 
 def _ellipsoid(u: FloatArray, v: FloatArray, semi_axes: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -60,14 +60,17 @@ class TrackingPanel:
 
 
 def draw_tracking(panels: Sequence[TrackingPanel], path: Path) -> None:
+    """Draw :func:`tracking_sheet` into a PNG at ``path``."""
+    tracking_sheet(panels).save(path)
+
+
+def tracking_sheet(panels: Sequence[TrackingPanel]) -> Sheet:
     """Draw x, y and theta of the hand, and under them how far it was from where it should have been.
 
     Parameters
     ----------
     panels : sequence of TrackingPanel
         One column each: the first and the last trial, say.
-    path : Path
-        Where the PNG is written.
 
     Raises
     ------
@@ -83,7 +86,7 @@ def draw_tracking(panels: Sequence[TrackingPanel], path: Path) -> None:
         _draw_errors(sheet, column, panel)
     _scale(sheet, panels)
     sheet.add_legend([("reference", style.WANTED), ("measured", style.MEASURED)], [("sliding", style.SLIDING)])
-    sheet.save(path)
+    return sheet
 
 
 def _in_one_turn(panels: Sequence[TrackingPanel]) -> list[TrackingPanel]:

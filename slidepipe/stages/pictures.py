@@ -39,13 +39,13 @@ class TrialRuns:
 
 def draw_pictures(trials: Sequence[TrialRuns], experiment: Experiment, tracking: Path, sliding: Path) -> None:
     """Draw how the arm followed (Fig. 10) and how the object slid (Fig. 11), one column for each trial."""
-    views = [_View(runs, experiment) for runs in trials]
+    views = [TrialView(runs, experiment) for runs in trials]
     draw_tracking([view.tracking() for view in views], tracking)
     draw_sliding([view.sliding() for view in views], sliding)
 
 
-class _View:
-    """One trial on the time that starts with its motion."""
+class TrialView:
+    """What is to be drawn of one trial, on the time that starts with its motion."""
 
     def __init__(self, runs: TrialRuns, experiment: Experiment) -> None:
         self._runs, self._experiment = runs, experiment
@@ -54,8 +54,8 @@ class _View:
         self._trial = parse(TrialDocument, load(runs.execute.file(TRIAL)))
         reference = read_recording(runs.plan.file(REFERENCE))
         self._time_s = _seconds(reference.poses(REFERENCE_HAND).stamp_ns)
-        self._hand = _planar(reference.poses(REFERENCE_HAND), self._plane)
-        self._object = _planar(reference.poses(REFERENCE_OBJECT), self._plane)
+        self._hand = in_plane(reference.poses(REFERENCE_HAND), self._plane)
+        self._object = in_plane(reference.poses(REFERENCE_OBJECT), self._plane)
 
     @property
     def _title(self) -> str:
@@ -66,6 +66,7 @@ class _View:
         return self._plan.slide.start_s, self._plan.slide.stop_s
 
     def tracking(self) -> TrackingPanel:
+        """How the hand followed its reference."""
         smoothed = read_recording(self._runs.estimate.file(SMOOTHED)).planar(SMOOTHED_HAND)
         time_s, shown = self._shown(smoothed.stamp_ns)
         return TrackingPanel(
@@ -78,6 +79,7 @@ class _View:
         )
 
     def sliding(self) -> SlidingPanel:
+        """How the finger slid on the object."""
         smoothed = read_recording(self._runs.estimate.file(SMOOTHED)).planar(SMOOTHED_RELATIVE)
         time_s, shown = self._shown(smoothed.stamp_ns)
         raw_ns, raw = self._raw()
@@ -115,13 +117,13 @@ class _View:
         """Relative poses of the frames in which both bodies were seen."""
         mocap = read_recording(self._runs.execute.file(RECORDING)).mocap()
         _, hand, body = np.intersect1d(mocap.hand.sequence, mocap.object.sequence, return_indices=True)
-        q_f, q_o = _planar(mocap.hand, self._plane)[hand], _planar(mocap.object, self._plane)[body]
+        q_f, q_o = in_plane(mocap.hand, self._plane)[hand], in_plane(mocap.object, self._plane)[body]
         return mocap.hand.stamp_ns[hand], relative_pose(q_o, q_f)
 
     def _truth(self) -> tuple[IntArray, FloatArray]:
         poses = read_recording(self._runs.execute.file(TRUE_POSES))
         hand, body = poses.poses(TRUE_HAND), poses.poses(TRUE_OBJECT)
-        return hand.stamp_ns, relative_pose(_planar(body, self._plane), _planar(hand, self._plane))
+        return hand.stamp_ns, relative_pose(in_plane(body, self._plane), in_plane(hand, self._plane))
 
     def _shown(self, stamp_ns: IntArray) -> tuple[FloatArray, BoolArray]:
         """Time since the motion began, and which of it is shown."""
@@ -133,6 +135,7 @@ def _seconds(stamp_ns: IntArray) -> FloatArray:
     return np.asarray(stamp_ns * 1e-9, dtype=np.float64)
 
 
-def _planar(poses: PoseSeries, plane: MotionPlane) -> FloatArray:
+def in_plane(poses: PoseSeries, plane: MotionPlane) -> FloatArray:
+    """Planar poses (T, 3) of a body that is recorded in the base frame."""
     projected: FloatArray = plane.project(poses.position_m, Rotation.from_quat(poses.quaternion_xyzw).as_matrix())
     return projected

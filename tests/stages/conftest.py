@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from slidepipe.artifacts.store import Store
-from slidepipe.stages import campaign, estimate, execute, plan
+from slidepipe.stages import campaign, estimate, execute, plan, report
 
 EXPERIMENTS = Path(__file__).resolve().parents[2] / "experiments"
 
@@ -25,6 +25,15 @@ def regrasp(tmp_path_factory: pytest.TempPathFactory) -> tuple[campaign.Campaign
     store, lines = Store(tmp_path_factory.mktemp("regrasp") / "data"), []
     request = campaign.CampaignRequest(EXPERIMENTS / "regrasp.yaml", store, lines.append)
     return campaign.run(request), store, lines
+
+
+@pytest.fixture(scope="session")
+def regrasp_report(
+    regrasp: tuple[campaign.CampaignResult, Store, list[str]], tmp_path_factory: pytest.TempPathFactory
+) -> report.ReportResult:
+    """The report of the demonstration."""
+    path = tmp_path_factory.mktemp("report") / "new" / "report.html"
+    return report.run(report.ReportRequest("regrasp", path, regrasp[1]))
 
 
 @pytest.fixture
