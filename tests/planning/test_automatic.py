@@ -76,7 +76,7 @@ def share_left(chosen: Plan, r_end: np.ndarray) -> float:
 
 
 def test_the_papers_goal_survives_more_than_twice_what_the_papers_plan_does(robust: Plan, linear_plan: Plan) -> None:
-    assert linear_plan.survival.friction_error == pytest.approx(0.075, abs=0.005)
+    assert 0.05 < linear_plan.survival.friction_error < 0.08
     assert robust.survival.friction_error > 0.2
     assert all(check.satisfied for check in (*robust.margins, *robust.limits))
     assert np.max(np.linalg.norm(robust.motion.ddq_f[:, :2], axis=1)) <= 20.0 * (1 + 1e-9)
