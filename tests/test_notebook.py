@@ -28,7 +28,7 @@ def test_the_stages(data: Path) -> None:
     again = slidepipe.plan(EXPERIMENT, {"friction": 0.4, "lab.seed": 3}, data=data)
     assert again.reused
     assert again.document.believed.friction == 0.4
-    following = slidepipe.iterate("@latest:estimate", friction="keep", data=data)
+    following = slidepipe.iterate("@latest:estimate", way="goal", data=data)
     assert following.document.trial == 2
     assert following.document.believed.friction == 0.4
     with pytest.raises(InputError, match=r"^--set friction=\"high\": friction: must be a number, got 'high'$"):

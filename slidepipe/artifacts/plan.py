@@ -4,7 +4,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from slidepipe.artifacts.schema import Artifact, Record
+from slidepipe.artifacts.schema import UPCASTS, Artifact, Data, Record
 from slidepipe.artifacts.values import Friction, NotNegative, Planar, Pose, Positive, RunId, Slug
 
 
@@ -85,6 +85,7 @@ class PlanDocument(Artifact):
     """What is written as ``plan.yaml``."""
 
     SCHEMA: ClassVar[str] = "slidepipe.plan"
+    VERSION: ClassVar[int] = 2
 
     experiment: Slug
     trial: Annotated[int, Field(ge=1)]
@@ -105,3 +106,11 @@ class PlanDocument(Artifact):
     objective: str | None = None
     normal_force_n: Positive | None = None
     robustness: Robustness | None = None
+
+
+def _first_to_second(data: Data) -> Data:
+    """Version 1 said nothing of objectives, the normal force, a braking of its own and wrong friction."""
+    return data
+
+
+UPCASTS[PlanDocument.SCHEMA, 1] = _first_to_second

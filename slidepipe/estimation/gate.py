@@ -26,8 +26,9 @@ LOCK_POSE, LOCK_SPEED, LOCK_ACCELERATION = (
     np.array([20.0, 20.0, 200.0]),
 )
 SECOND_LOOKS = 3
-FIRST_DENSITY = np.array([1e3, 1e3, 1e6])
-"""Process noise of the first pass, that of a lively hand; the second takes the most likely one of what was kept."""
+FIRST_DENSITY = np.array([3e4, 3e4, 3e7])
+"""Process noise of the first pass, that of a hand whose acceleration jumps; the second takes the most likely one of
+what was kept."""
 PASSES = 2
 FEWEST = 30
 

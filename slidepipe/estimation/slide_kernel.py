@@ -118,6 +118,7 @@ def _stage(y, hand, eta, physics, new):
     size, sliding, k = 0.0, -1.0, 0.0
     for _ in range(ROUNDS):
         fx, fy, mz, k = contact_force(
+            None,
             eta,
             eta * per_i,
             kappa * (1.0 + growth * size),

@@ -126,7 +126,7 @@ def _conflicts(search: Search, found: Found) -> list[str]:
     outcome = survival(course, setup.block, setup.fingers)
     if outcome.friction_error < search.wish.friction_error:
         broken.append(_too_little(outcome, search.wish.friction_error))
-    return broken
+    return broken or ["no motion was found that keeps every limit at once, though one breaks none of them by itself"]
 
 
 def _arm_conflicts(course: Course, setup: Setup, share: float) -> list[str]:

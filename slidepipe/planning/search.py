@@ -112,7 +112,7 @@ class Search:
     def best(self) -> Found:
         """Search twice, roughly and then in earnest."""
         rough = self._evolve(self._sobol(), ROUGH_ROUNDS, simulated=0.0)
-        if not lone(self.setup.fingers) or rough.cost >= kernel.SURVIVES_TOO_LITTLE:
+        if not lone(self.setup.fingers) or rough.cost >= kernel.BREAKS_LIMITS:
             return self.found(rough.population[0], simulated=0.0)
         start = self._loosened(rough.population[:FINAL_SIZE])
         return self.found(self._evolve(start, FINAL_ROUNDS, simulated=1.0).population[0], simulated=1.0)

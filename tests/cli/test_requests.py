@@ -75,7 +75,7 @@ def test_several_trials_as_one_object(call, stages) -> None:
     assert list(told) == ["schema", "run", "directory", "reused", "document", "estimates"]
     assert told["schema"] == "slidepipe.pool_result/1"
     assert told["document"]["schema"] == "slidepipe.pooled/1"
-    assert [one and one["schema"] for one in told["estimates"]] == ["slidepipe.estimate/1", None]
+    assert [one and one["schema"] for one in told["estimates"]] == ["slidepipe.estimate/2", None]
     stages.answers["pool"].document = pooled_samples.pooled(friction=False)
     assert call("estimate", "x", "y", "--json").exit_code == 1
 
@@ -153,8 +153,7 @@ def test_one_object_and_nothing_else(call, verb: str) -> None:
     assert told["schema"] == f"slidepipe.{verb}_result/1"
     assert (told["run"], told["directory"]) == (run.id, str(run.directory))
     name = {"execute": "trial", "iterate": "plan", "run": "campaign"}.get(verb, verb)
-    version = 2 if name in ("estimate", "campaign") else 1
-    assert next(iter(told["document"].items())) == ("schema", f"slidepipe.{name}/{version}")
+    assert next(iter(told["document"].items())) == ("schema", f"slidepipe.{name}/2")
     assert next(iter(told["document"].items())) == ("schema", f"slidepipe.{name}/{2 if name == 'trial' else 1}")
 
 
