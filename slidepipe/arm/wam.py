@@ -7,6 +7,8 @@ the tool points straight up at zero. Centres of mass and inertias are in each li
 from dataclasses import dataclass
 from math import pi
 
+import numpy as np
+
 JOINT_COUNT = 7
 
 
@@ -52,6 +54,9 @@ LINKS: tuple[Link, ...] = (
     Link(0.0, 0.0, 0.0609, (-3.0, 3.0), 0.07548, (0.14836e-3, 0.07252e-3, -3.35185e-3),
          (0.00003911, 0.00003877, 0.00007614, 0.00000019, 0.0, 0.0)),
 )  # fmt: skip
+
+MIDDLE_RAD = np.array([sum(link.range_rad) / 2.0 for link in LINKS])
+"""Middle of each joint's range."""
 
 KP = (900.0, 2500.0, 600.0, 500.0, 50.0, 50.0, 8.0)
 """Vendor's joint position control: proportional gains, N m/rad."""

@@ -3,8 +3,10 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+import mujoco
 import numpy as np
 
+from slidepipe.arm import wam
 from slidepipe.arm.dynamics import ArmLoad, arm_load
 from slidepipe.arm.inverse_kinematics import HandPath, InverseKinematics, JointPath, joint_path
 from slidepipe.arm.model import Tool, nominal_model
@@ -20,6 +22,8 @@ from slidepipe.planning.three_phase import Regrasp, course_of
 from slidepipe.series import FloatArray
 from slidepipe.tick import TICK_S
 
+PULLS = (0.0, 0.25, 0.5)
+"""Shares of the way from the wished posture to the middle of the joints' ranges that are tried in turn."""
 ON_TICK = 1e-6
 """Share of a tick by which a time may miss it."""
 
@@ -107,8 +111,7 @@ def follow(course: Course, setup: Setup) -> Plan:
     motion = CourseMotion(course, setup.block, setup.fingers)
     sampled = motion.sample(_ticks(course))
     model = nominal_model(setup.tool)
-    kinematics = InverseKinematics(model, setup.posture_rad)
-    joints = joint_path(kinematics, lambda time_s: _hand_path(motion, setup, time_s), sampled.time_s, course.boundaries)
+    joints = _joints(model, motion, setup, sampled.time_s)
     load = arm_load(model, joints)
     return Plan(
         setup=setup,
@@ -120,6 +123,26 @@ def follow(course: Course, setup: Setup) -> Plan:
         limits=tuple(check_arm(joints, load, setup.limits)),
         survival=survival(course, setup.block, setup.fingers),
     )
+
+
+def _joints(model: mujoco.MjModel, motion: CourseMotion, setup: Setup, time_s: FloatArray) -> JointPath:
+    """Joint motion with the posture as it is wished, else drawn towards the middle of the joints' ranges.
+
+    Where a joint meets its limit on the way, the posture nearest to the wished one turns a corner.
+    """
+    refusals = []
+    for pull in PULLS:
+        posture = (1.0 - pull) * setup.posture_rad + pull * wam.MIDDLE_RAD
+        try:
+            return joint_path(
+                InverseKinematics(model, posture),
+                lambda at_s: _hand_path(motion, setup, at_s),
+                time_s,
+                motion.course.boundaries,
+            )
+        except InfeasibleError as refusal:
+            refusals.append(refusal)
+    raise refusals[0]
 
 
 def grip_checks(course: Course, setup: Setup) -> list[Check]:

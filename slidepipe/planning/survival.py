@@ -23,8 +23,8 @@ RATIOS = np.round(np.arange(0.4, 1.8001, 0.02), 6)
 """Frictions that are tried, beside the believed one."""
 REFINED = 11
 ROUNDS = 3
-STEP_S = 5e-4
-"""Of the implicit stepping, for fingers apart from each other."""
+EVERY, STEP_S = 5, 1e-3
+"""For fingers apart from each other, whose trials take a thousand times as long: every fifth friction, and the step."""
 REST_S = 0.3
 SURVIVED, LEFT, SLIDING, TURNED, NO_NEARER, NO_SLIDE = range(6)
 WHY = {
@@ -98,10 +98,11 @@ def survival(course: Course, block: Block, fingers: tuple[PlacedFinger, ...]) ->
         error = _distance(trials.r_f_b, course.r_goal, rho) / _distance(course.r_start, course.r_goal, rho)
         return trials.r_f_b, error, _verdict(trials, error, course)
 
-    r_f_b, error, verdict = judged(RATIOS)
-    below, why_below = _first_failure(judged, RATIOS, verdict, -1)
-    above, why_above = _first_failure(judged, RATIOS, verdict, 1)
-    return Survival(RATIOS, r_f_b, error, verdict, below, above, why_below, why_above)
+    ratios = RATIOS if lone(fingers) else RATIOS[::EVERY]
+    r_f_b, error, verdict = judged(ratios)
+    below, why_below = _first_failure(judged, ratios, verdict, -1)
+    above, why_above = _first_failure(judged, ratios, verdict, 1)
+    return Survival(ratios, r_f_b, error, verdict, below, above, why_below, why_above)
 
 
 def _first_failure(
@@ -118,7 +119,7 @@ def _first_failure(
         return abs(float(ratio[outward[-1]]) - 1.0), WHY[SURVIVED]
     bad = outward[failed[0]]
     low, high, reason = (1.0 if failed[0] == 0 else ratio[outward[failed[0] - 1]]), ratio[bad], verdict[bad]
-    for _ in range(ROUNDS):
+    for _ in range(ROUNDS if len(ratio) == len(RATIOS) else 1):
         between = np.linspace(low, high, REFINED)
         found = judged(between)[2]
         first = int(np.argmax(found != SURVIVED))

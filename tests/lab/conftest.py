@@ -67,7 +67,7 @@ def short_landing(short_plan: Plan, short_setup: Setup) -> FloatArray:
         Tracker.FEEDFORWARD,
         CAMERAS,
         start.position_rad[0],
-        short_plan.regrasp.r_start,
+        short_plan.course.r_start,
         random=np.random.default_rng(1),
     )
     execute(rest_move_rest(start), lab, lab, Notes())

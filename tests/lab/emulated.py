@@ -92,7 +92,7 @@ def bench(plan: Plan, setup: Setup, *, dialect: str = "bridge", faults: tuple[Fa
         Tracker.FEEDFORWARD,
         CAMERAS,
         home,
-        plan.regrasp.r_start,
+        plan.course.r_start,
         random=np.random.default_rng(1),
     )
     clock, ours = VirtualClock(), MemoryTransport()

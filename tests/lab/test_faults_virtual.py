@@ -97,7 +97,7 @@ def test_nothing_wrong_lands_where_virtual_time_without_a_wire_does(
     sound: Emulated, short_plan: Plan, short_landing: np.ndarray
 ) -> None:
     assert sound.execution.stop is None
-    np.testing.assert_allclose(sound.before, short_plan.regrasp.r_start, atol=1e-4)
+    np.testing.assert_allclose(sound.before, short_plan.course.r_start, atol=1e-4)
     assert np.hypot(*(sound.after - short_landing)[:2]) < APART_M
     assert sound.arm.counts.lost == sound.arm.counts.disordered == 0
     assert sound.execution.longest_gap_s == pytest.approx(0.002, abs=1e-9)
