@@ -35,7 +35,7 @@ from slidepipe.series import FloatArray, JointSeries
 from slidepipe.stages.calibration_files import CALIBRATION, read_calibration
 from slidepipe.stages.sound import around_motion, refuse_unsound
 from slidepipe.stages.translate import block, motion_plane, tool, vector
-from slidepipe.stages.trial_facts import RECORDING
+from slidepipe.stages.trial_facts import IMPORTED, RECORDING
 
 STAGE, STAGE_VERSION = "estimate", 2
 Z95 = 1.959964
@@ -124,8 +124,7 @@ def estimate_recording(path: Path, calibration: Calibration | None = None) -> Re
     mocap = around_motion(recording.mocap(), start_ns, stop_ns)
     if calibration is not None:
         mocap = calibrated(mocap, calibration)
-    joints = recording.joints(MEASURED)
-    _finite(recording, joints)
+    joints = _joints_of(recording)
     request = EstimationRequest(
         mocap=mocap,
         plane=motion_plane(experiment),
@@ -138,7 +137,7 @@ def estimate_recording(path: Path, calibration: Calibration | None = None) -> Re
         slide_stop_ns=start_ns + round(1e9 * plan.slide.stop_s),
         motion_start_ns=start_ns,
         motion_stop_ns=stop_ns,
-        joint_hand=hand_poses(nominal_model(tool(experiment)), joints),
+        joint_hand=None if joints is None else hand_poses(nominal_model(tool(experiment)), joints),
         start_relative_pose=vector(plan.start_relative_pose),
     )
     return RecordedEstimate(estimate(request), experiment, plan, start_ns)
@@ -198,10 +197,15 @@ def _text(recording: Recording, name: str) -> str:
         raise InputError(f"{recording.path}: {name}: is not UTF-8 at byte {error.start}") from None
 
 
-def _finite(recording: Recording, joints: JointSeries) -> None:
+def _joints_of(recording: Recording) -> JointSeries | None:
+    """What the arm measured; None in an imported trial, of which the cameras' side alone is known."""
+    if recording.metadata.get(PROVENANCE, {}).get("lab") == IMPORTED:
+        return None
+    joints = recording.joints(MEASURED)
     bad = np.flatnonzero(~np.isfinite(joints.position_rad).all(axis=1))
     if len(bad):
         raise InputError(f"{recording.path}: {MEASURED}: an angle of state {bad[0]} is not finite")
+    return joints
 
 
 def _stamp(recording: Recording, message: str) -> int:

@@ -28,7 +28,7 @@ from slidepipe.lab.loop import MOTION_ENDS, MOTION_STARTS
 from slidepipe.series import BoolArray, ClockSync, FloatArray, FrameSeries, MocapSeries, PoseSeries
 from slidepipe.stages.motion_times import MotionTimes, find_motion
 from slidepipe.stages.plan_files import EXPERIMENT, PLAN
-from slidepipe.stages.trial_facts import RECORDING, TRIAL, frame_counts, outcome_of
+from slidepipe.stages.trial_facts import IMPORTED, RECORDING, TRIAL, frame_counts, outcome_of
 
 STAGE, STAGE_VERSION = "import", 1
 SOURCE = "source"
@@ -214,7 +214,7 @@ def _record(draft: Draft, mocap: MocapSeries, plan_run: Run, experiment: Experim
         "run": draft.run_id,
         "plan": plan_run.id,
         "experiment": experiment.name,
-        "lab": "imported",
+        "lab": IMPORTED,
         "clock": "the cameras' own",
     } | {key: str(value) for key, value in draft.request.parameters.items()}
     attachments = {"plan.yaml": plan_run.file(PLAN).read_bytes(), "experiment.yaml": dump_model(experiment).encode()}

@@ -8,6 +8,8 @@ from slidepipe.series import MocapSeries
 
 TRIAL, RECORDING = "trial", "recording"
 """Roles of the files that every trial has."""
+IMPORTED = "imported"
+"""What a trial from elsewhere calls its lab."""
 
 
 def outcome_of(mocap: MocapSeries, experiment: Experiment, *, rate_hz: float) -> Outcome:

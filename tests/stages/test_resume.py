@@ -81,7 +81,7 @@ def test_lost_object_is_put_back_and_the_campaign_goes_on(experiments: Path, sto
     assert second.true_error_m < 0.04
     why = parse(WhyDocument, load(store.get(second.runs.plan).file("why")))
     assert why.error_before is None
-    assert "at most this" in why.friction_after.source
+    assert why.friction_after.value < 0.33, "the thrown block tells how little friction there is"
     assert "put back" in why.changed[0]
 
 
@@ -90,7 +90,11 @@ def test_learned_arm_ends_nearer_than_one_that_is_not(experiments: Path, store: 
     second = campaign.run(request).document.rows[1]
     plain = regrasp[0].document.rows[1]
     assert second.true_error_rad < 0.5 * plain.true_error_rad
-    assert second.true_error_m < 0.8 * plain.true_error_m
+    rms = [
+        load(store.get(row.runs.execute).file("trial")).data["tracking_error"]["position_rms_m"]
+        for row in (second, plain)
+    ]
+    assert rms[0] < 0.9 * rms[1]
     told = load(store.get(second.runs.plan).file("arm")).data
     assert told["moving_mass"][1] == pytest.approx(0.05, abs=0.015)
     assert told["coulomb"][1] == pytest.approx(0.2, abs=0.1)

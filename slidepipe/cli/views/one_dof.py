@@ -38,6 +38,7 @@ def one_dof_trials_view(trials: OneDofTrials, run: Run) -> list[RenderableType]:
     for series in trials.series:
         _add(table, series, trials.contraction_bound)
     said = columns("mu", "error", "", numbers=("mu", "error"))
+    said.columns[2].no_wrap = False
     for series in trials.series:
         said.add_row(f"{series.friction:g}", _percent(series.error), series.said)
     return [
