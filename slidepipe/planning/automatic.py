@@ -23,6 +23,7 @@ WHOLE_RANGE_RAD = np.array([0.5 * (link.range_rad[1] - link.range_rad[0]) for li
 ATTEMPTS = 8
 """How often the arm's local model is corrected by the arm itself."""
 TO_SPARE = 0.97
+"""Of a limit that the arm broke, beside what its first order missed; much less, and the search ends elsewhere."""
 SHRINK = 0.8
 """Of the joints' ranges and the workspace, where the arm cannot reach."""
 HALVINGS = 5

@@ -16,8 +16,8 @@ from slidepipe.series import FloatArray
 ALIKE = 1e-12
 JUMP_S = 1e-8
 """Just before a boundary: beyond what counts as rounding."""
-JUMP, AT_REST = 1e-5, 1e-9
-"""What a hand that moves on may do in that time, and what a hand at rest may do."""
+JUMP, AT_REST = 1e-4, 1e-9
+"""What a hand that turns as fast as a wrist can may do in that time, and what a hand at rest may do."""
 
 
 @dataclass(frozen=True, slots=True)
