@@ -11,8 +11,8 @@ Examples
 >>> planned = slidepipe.plan("experiments/regrasp.yaml", {"friction": 0.4}, data=store)
 >>> trial = slidepipe.execute(planned.run, data=store)
 >>> told = slidepipe.estimate(trial.run, data=store)
->>> told.document.friction.mu.value.__round__(2)
-0.43
+>>> abs(told.document.friction.mu.value - 0.4256) < 0.005  # what the simulated world has
+True
 >>> slidepipe.runs(data=store)["stage"].tolist()
 ['plan', 'execute', 'estimate']
 """

@@ -1,3 +1,5 @@
+import signal
+
 import pytest
 from hypothesis import settings
 from paper_cases import LINEAR, ROTATIONAL, linear_setup, rotational_setup
@@ -7,6 +9,10 @@ from slidepipe.planning.planner import Plan, plan
 # The same examples in every run, and no verdict on how busy the machine is.
 settings.register_profile("slidepipe", deadline=None, derandomize=True)
 settings.load_profile("slidepipe")
+
+# A suite that was begun in the background ignores Ctrl-C, and so would every process that it starts and interrupts.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session")
