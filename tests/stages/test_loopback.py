@@ -4,6 +4,7 @@ What only a machine that keeps time can show is tried again where it did not, an
 passes without having been shown.
 """
 
+import re
 import signal
 import subprocess
 import time
@@ -173,7 +174,7 @@ def test_without_leave_nothing_moves_and_a_check_says_what_is_there(scene: Scene
     assert facts["arm", "link"] == "does not follow commands yet"
     assert facts["arm", "dialect"] == "bridge, 200 bytes a state"
     assert facts["cameras", "server"] == "slidepipe 1.0.0.0, NatNet 4.1"
-    assert facts["cameras", "hand"].startswith("tracked in 9")
+    assert re.match(r"tracked in (9\d\.\d|100\.0) % of the frames", facts["cameras", "hand"])
     assert facts["cameras", "apart"].startswith("22.")
 
 
