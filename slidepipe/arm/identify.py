@@ -14,10 +14,10 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from scipy.signal import butter, lfilter, sosfiltfilt
+from scipy.signal import butter, sosfiltfilt
 
 from slidepipe.arm import wam
-from slidepipe.arm.dynamics import FRICTION_SPEED_RAD_S, ArmLoad, arm_load
+from slidepipe.arm.dynamics import FRICTION_SPEED_RAD_S, ArmLoad, arm_load, middles
 from slidepipe.arm.inverse_kinematics import JointPath
 from slidepipe.errors import InputError
 from slidepipe.series import FloatArray, JointSeries
@@ -87,25 +87,23 @@ def identify(model: mujoco.MjModel, trials: list[JointSeries]) -> ArmCorrection:
     return ArmCorrection(moving, resting, coulomb, viscous, std=stds, torque_rms_n_m=before, left_rms_n_m=after)
 
 
-def correct(load: ArmLoad, path: JointPath, correction: ArmCorrection) -> ArmLoad:
+def correct(load: ArmLoad, model: mujoco.MjModel, path: JointPath, correction: ArmCorrection) -> ArmLoad:
     """Torques along a path as the corrected arm needs them; what it weighs at rest is left to the joint control.
 
-    The vendor's joint control compares the wanted speed with one that is low-passed, and so late: it adds a torque even
-    where the arm follows exactly. That is taken off too; without it, it passes for a part of the missing mass.
-
-    Examples
-    --------
-    >>> still = JointPath(np.arange(2) * 0.002, *np.zeros((3, 2, 7)))
-    >>> nothing = ArmCorrection(*np.zeros((4, 7)), np.zeros((7, 4)), np.zeros(7), np.zeros(7))
-    >>> float(np.abs(correct(ArmLoad(*np.ones((2, 2, 7)), np.zeros(2)), still, nothing).feedforward_n_m - 1.0).max())
-    0.0
+    Parameters
+    ----------
+    load : ArmLoad
+        What is to be corrected.
+    model : mujoco.MjModel
+        The nominal arm, which says what each joint carries.
+    path : JointPath
+    correction : ArmCorrection
     """
-    half = 0.5 * (path.time_s[1] - path.time_s[0])
-    speed = path.velocity_rad_s + half * path.acceleration_rad_s2
-    dry, viscous = _friction(speed)
-    carried = load.feedforward_n_m - dry - viscous - np.array(wam.ROTOR_INERTIA) * path.acceleration_rad_s2
+    middle = middles(path)
+    dry, viscous = _friction(middle.velocity_rad_s)
+    rotors = np.array(wam.ROTOR_INERTIA) * middle.acceleration_rad_s2
+    carried = arm_load(model, path).feedforward_n_m - dry - viscous - rotors
     extra = correction.moving_mass * carried + correction.coulomb * dry + correction.viscous * viscous
-    extra -= _lag_torque(path)
     extra[-1] = 0.0
     return ArmLoad(load.torque_n_m + extra, load.feedforward_n_m + extra, load.elbow_speed_m_s)
 
@@ -139,15 +137,6 @@ def _smooth_path(trial: JointSeries) -> JointPath:
 def _filtered(values: FloatArray) -> FloatArray:
     """The zero-phase low-pass: forwards, then backwards."""
     return np.asarray(sosfiltfilt(butter(ORDER, CUTOFF_HZ, fs=500.0, output="sos"), values, axis=0))
-
-
-def _lag_torque(path: JointPath) -> FloatArray:
-    """Torque (T, 7) that the joint control's damping adds along a path which is followed exactly."""
-    tick_s = float(path.time_s[1] - path.time_s[0])
-    keep = float(np.exp(-wam.VELOCITY_FILTER_RAD_S * tick_s))
-    raw = np.diff(path.position_rad, axis=0, prepend=path.position_rad[:1]) / tick_s
-    late = lfilter([1.0 - keep], [1.0, -keep], raw, axis=0)
-    return np.asarray(np.array(wam.KD) * (path.velocity_rad_s - late))
 
 
 def _friction(dq: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from slidepipe.arm import wam
-from slidepipe.arm.dynamics import ArmLoad, arm_load
+from slidepipe.arm.dynamics import ArmLoad, HandWrench, arm_load, beside_joint_control, with_wrench
 from slidepipe.arm.inverse_kinematics import HandPath, InverseKinematics, JointPath, joint_path
 from slidepipe.arm.model import Tool, nominal_model
 from slidepipe.errors import InfeasibleError, InputError
@@ -15,6 +15,7 @@ from slidepipe.mechanics.dynamics import Block
 from slidepipe.mechanics.limit_surface import SoftFinger
 from slidepipe.mechanics.planar import MotionPlane
 from slidepipe.mechanics.stepping import PlacedFinger
+from slidepipe.planning.carried import carried_wrench
 from slidepipe.planning.course import Course, CourseMotion, Motion
 from slidepipe.planning.limits import Check, Limits, check_arm, check_continuity, check_grasp
 from slidepipe.planning.survival import Survival, survival
@@ -112,7 +113,8 @@ def follow(course: Course, setup: Setup) -> Plan:
     sampled = motion.sample(_ticks(course))
     model = nominal_model(setup.tool)
     joints = _joints(model, motion, setup, sampled.time_s)
-    load = arm_load(model, joints)
+    carrying = with_wrench(arm_load(model, joints), model, joints, _carried(motion, sampled.time_s, setup))
+    load = beside_joint_control(carrying, joints)
     return Plan(
         setup=setup,
         course=course,
@@ -143,6 +145,13 @@ def _joints(model: mujoco.MjModel, motion: CourseMotion, setup: Setup, time_s: F
         except InfeasibleError as refusal:
             refusals.append(refusal)
     raise refusals[0]
+
+
+def _carried(motion: CourseMotion, time_s: FloatArray, setup: Setup) -> HandWrench:
+    wrenches = (
+        carried_wrench(motion.sample(at_s), setup.block, setup.plane) for at_s in (time_s, time_s + 0.5 * TICK_S)
+    )
+    return HandWrench(*wrenches)
 
 
 def grip_checks(course: Course, setup: Setup) -> list[Check]:

@@ -23,7 +23,7 @@ from slidepipe.stages.belief import FrictionBelief, believe
 from slidepipe.stages.estimate import ESTIMATE
 from slidepipe.stages.explain import explain, reason_of
 from slidepipe.stages.goal import miss, within_tolerance
-from slidepipe.stages.learn import correction_document, learn, with_correction
+from slidepipe.stages.learn import corrected_plan, correction_document, learn
 from slidepipe.stages.motions import next_plan
 from slidepipe.stages.past import PastTrial, past_trials
 from slidepipe.stages.plan_files import EXPERIMENT, PLAN, Occasion, write_plan
@@ -33,6 +33,8 @@ from slidepipe.stages.trial_facts import RECORDING
 STAGE, STAGE_VERSION = "iterate", 2
 WHY, ARM = "why", "arm"
 """Roles of the files beside the plan's."""
+DIGITS = 9
+"""Decimals of what a plan is made from: a nanometre, and far below what is known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,6 +138,9 @@ def _from_where(reached: UncertainPose | None, experiment: Experiment) -> FloatA
 def _choose(
     belief: FrictionBelief, r_now: FloatArray, experiment: Experiment, correction: ArmCorrection | None
 ) -> Plan:
-    interval = None if belief.interval is None else FrictionInterval(*belief.interval)
-    plan = next_plan(experiment, r_now, belief.friction, interval)
-    return plan if correction is None else with_correction(plan, correction, experiment)
+    """Plan for what is believed, to so many digits that a result's rounding cannot tip the search over."""
+    friction, r_now = round(belief.friction, DIGITS), np.round(r_now, DIGITS)
+    interval = None if belief.interval is None else FrictionInterval(*np.round(belief.interval, DIGITS))
+    if correction is None:
+        return next_plan(experiment, r_now, friction, interval)
+    return corrected_plan(lambda easier: next_plan(easier, r_now, friction, interval), correction, experiment)

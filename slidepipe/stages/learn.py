@@ -1,5 +1,6 @@
 """What the trials of a campaign teach of the arm, and a plan whose torques know it."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 from slidepipe.arm.identify import ArmCorrection, correct, identify
@@ -16,11 +17,39 @@ from slidepipe.stages.past import PastTrial
 from slidepipe.stages.translate import setup
 from slidepipe.stages.trial_facts import RECORDING
 
+TORQUE_SHARES = (1.0, 0.92, 0.84)
+"""Shares of the joints' torque that a plan may use, in turn, to leave some for what the arm was found to need."""
+
 
 def learn(past: tuple[PastTrial, ...], experiment: Experiment) -> ArmCorrection:
     """Identify the arm from every recording of the campaign."""
     model = nominal_model(setup(experiment, experiment.friction).tool)
     return identify(model, [read_recording(one.trial_run.file(RECORDING)).joints(topics.MEASURED) for one in past])
+
+
+def corrected_plan(make: Callable[[Experiment], Plan], correction: ArmCorrection, experiment: Experiment) -> Plan:
+    """Plan, then correct its torques; where the real arm would need more than a joint can give, plan for less.
+
+    Raises
+    ------
+    InfeasibleError
+        What ``make`` raises, or what the corrected torques break even so.
+    """
+    refusals = []
+    for share in TORQUE_SHARES:
+        try:
+            return with_correction(make(_weaker(experiment, share)), correction, experiment)
+        except InfeasibleError as refusal:
+            refusals.append(refusal)
+    raise refusals[0]
+
+
+def _weaker(experiment: Experiment, share: float) -> Experiment:
+    """The experiment with joints that may give only a share of their torque."""
+    arm = experiment.arm
+    torque = tuple(share * one for one in arm.limits.joint_torque_n_m)
+    limits = arm.limits.model_copy(update={"joint_torque_n_m": torque})
+    return experiment.model_copy(update={"arm": arm.model_copy(update={"limits": limits})})
 
 
 def with_correction(plan: Plan, correction: ArmCorrection, experiment: Experiment) -> Plan:
@@ -31,8 +60,9 @@ def with_correction(plan: Plan, correction: ArmCorrection, experiment: Experimen
     InfeasibleError
         The real arm would need more than a joint can give.
     """
-    load = correct(plan.load, plan.joints, correction)
-    limits = check_arm(plan.joints, load, setup(experiment, experiment.friction).limits)
+    believed = setup(experiment, experiment.friction)
+    load = correct(plan.load, nominal_model(believed.tool), plan.joints, correction)
+    limits = check_arm(plan.joints, load, believed.limits)
     broken = [f"with the arm as it was learned: {check}" for check in limits if not check.satisfied]
     if broken:
         raise InfeasibleError(*broken)

@@ -6,10 +6,12 @@ import pytest
 from wam_by_hand import hand_frame, link_frames
 
 from slidepipe.arm import wam
-from slidepipe.arm.dynamics import ArmLoad, arm_load
+from slidepipe.arm.dynamics import ArmLoad, HandWrench, arm_load, beside_joint_control, with_wrench
 from slidepipe.arm.inverse_kinematics import JointPath
 from slidepipe.arm.kinematics import hand_error
-from slidepipe.arm.model import Tool, nominal_model
+from slidepipe.arm.model import HAND, Tool, nominal_model
+from slidepipe.lab.controller import SPEED_RAD_S, JointController
+from slidepipe.lab.protocols import JointCommand
 
 TOOL = Tool(length_m=0.1, angle_rad=0.7)
 TICK = 0.002
@@ -26,6 +28,17 @@ def swinging(time_s: np.ndarray) -> JointPath:
         position_rad=MIDDLE + SWING * np.sin(phase),
         velocity_rad_s=SWING * RATE * np.cos(phase),
         acceleration_rad_s2=-SWING * RATE**2 * np.sin(phase),
+    )
+
+
+def from_rest(time_s: np.ndarray) -> JointPath:
+    """As slow as the joint control's clip allows."""
+    swing, phase = 0.2 * SWING, RATE * time_s[:, None]
+    return JointPath(
+        time_s=time_s,
+        position_rad=MIDDLE + swing * (1.0 - np.cos(phase)),
+        velocity_rad_s=swing * RATE * np.sin(phase),
+        acceleration_rad_s2=swing * RATE**2 * np.cos(phase),
     )
 
 
@@ -70,16 +83,47 @@ def test_the_torque_accelerates_the_arm_as_the_path_does(model: mujoco.MjModel, 
         np.testing.assert_allclose(found, path.acceleration_rad_s2[index], atol=1e-7)
 
 
-def test_gravity_and_feedforward_give_the_acceleration_back_in_the_middle_of_the_tick(
+def test_gravity_and_feedforward_give_the_ticks_mean_acceleration_in_its_middle(
     model: mujoco.MjModel, path: JointPath, load: ArmLoad
 ) -> None:
-    """The state half a tick on comes from the acceleration alone; the error is that of the sine's third derivative."""
-    half = TICK / 2
+    q, dq = path.position_rad, path.velocity_rad_s
     for index in range(0, 199, 7):
-        q, dq, ddq = (row[index] for row in (path.position_rad, path.velocity_rad_s, path.acceleration_rad_s2))
-        middle_q, middle_dq = q + half * dq + half**2 / 2 * ddq, dq + half * ddq
+        middle_q, middle_dq = 0.5 * (q[index] + q[index + 1]), 0.5 * (dq[index] + dq[index + 1])
         torque = gravity(model, middle_q) + load.feedforward_n_m[index] - friction(middle_dq)
-        np.testing.assert_allclose(forward(model, middle_q, middle_dq, torque), ddq, atol=1e-7)
+        mean = (dq[index + 1] - dq[index]) / TICK
+        np.testing.assert_allclose(forward(model, middle_q, middle_dq, torque), mean, atol=1e-7)
+
+
+def test_joint_control_that_sees_the_path_followed_exactly_gives_what_the_path_needs(
+    model: mujoco.MjModel,
+) -> None:
+    """Its damping compares with a speed that is late; what that adds is in the feedforward, with the other sign."""
+    path = from_rest(np.arange(200) * TICK)
+    load = arm_load(model, path)
+    control = JointController(TOOL, feedforward=True)
+    given = beside_joint_control(load, path).feedforward_n_m
+    assert np.max(np.abs(given - load.feedforward_n_m)) > 0.2
+    rounding = np.array(wam.KD) * SPEED_RAD_S
+    for index in range(199):
+        q = path.position_rad[index]
+        found = control.torque(JointCommand(q, path.velocity_rad_s[index], given[index]), q)
+        needed = gravity(model, q) + load.feedforward_n_m[index]
+        assert np.all(np.abs(found - needed) <= 2.0 * rounding)
+
+
+def test_a_wrench_at_the_hand_is_met_by_the_torque_that_does_the_same_work(
+    model: mujoco.MjModel, path: JointPath, load: ArmLoad
+) -> None:
+    wrench = np.tile([1.0, -2.0, 0.5, 0.1, 0.2, -0.3], (200, 1))
+    torque = with_wrench(load, model, path, HandWrench(wrench, wrench)).torque_n_m - load.torque_n_m
+    data, site = mujoco.MjData(model), model.site(HAND).id
+    for index in range(0, 200, 31):
+        data.qpos[:], data.qvel[:] = path.position_rad[index], path.velocity_rad_s[index]
+        mujoco.mj_forward(model, data)
+        speed = np.zeros(6)
+        mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_SITE, site, speed, 0)
+        power = wrench[index, :3] @ speed[3:] + wrench[index, 3:] @ speed[:3]
+        assert torque[index] @ data.qvel == pytest.approx(power, abs=1e-9)
 
 
 def test_an_arm_that_is_only_fed_forward_follows_the_path_for_a_while(
