@@ -125,7 +125,7 @@ def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--worlds", type=int, default=100)
     parser.add_argument("--seed0", type=int, default=1000, help="moves the worlds")
-    parser.add_argument("--experiment", type=Path, default=ROOT / "experiments" / "regrasp.yaml")
+    parser.add_argument("--experiment", type=Path, default=ROOT / "experiments" / "robust.yaml")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--set", action="append", default=[], help="set over every world, lab.cameras.rate_hz=180 say")
     parser.add_argument("--verbose", action="store_true", help="print every world")

@@ -68,9 +68,9 @@ class Cameras:
     def __init__(self, settings: CameraSettings, centre_m: FloatArray, random: np.random.Generator) -> None:
         self._settings, self._centre_m, self._random = settings, centre_m, random
         self._last_received_ns = 0
-        self._from_base = Rotation.from_rotvec(settings.frame.rotation_rad).inv()
+        self._from_base = Rotation.from_rotvec(settings.frame.rotation_rad).inv().as_matrix()
         self._hand_markers, self._object_markers = (
-            (one.position_m, Rotation.from_rotvec(one.rotation_rad))
+            (one.position_m, Rotation.from_rotvec(one.rotation_rad).as_matrix())
             for one in (settings.hand_markers, settings.object_markers)
         )
 
@@ -99,15 +99,15 @@ class Cameras:
             received_ns=round(1e9 * (time_s + there + back)),
         )
 
-    def _see(self, body: tuple[FloatArray, FloatArray], markers_m: FloatArray, markers: Rotation) -> BodyPose | None:
+    def _see(self, body: tuple[FloatArray, FloatArray], markers_m: FloatArray, markers: FloatArray) -> BodyPose | None:
         position_m, matrix = body
         dropped = self._random.random() < self._settings.dropout_share
         noise_m = self._random.normal(0.0, self._settings.position_noise_m, 3)
         noise_rad = self._random.normal(0.0, self._settings.angle_noise_rad, 3)
         if dropped or np.linalg.norm(position_m - self._centre_m) > CAPTURE_RADIUS_M:
             return None
-        place_m = self._from_base.apply(position_m + matrix @ markers_m - self._settings.frame.position_m)
-        noisy = Rotation.from_rotvec(noise_rad) * self._from_base * Rotation.from_matrix(matrix) * markers
+        place_m = self._from_base @ (position_m + matrix @ markers_m - self._settings.frame.position_m)
+        noisy = Rotation.from_rotvec(noise_rad) * Rotation.from_matrix(self._from_base @ matrix @ markers)
         return BodyPose(_on_the_wire(place_m + noise_m), _on_the_wire(noisy.as_quat(canonical=True)))
 
 
