@@ -165,7 +165,8 @@ def _same_body(request: EstimationRequest, initial: RestFinding) -> None:
     if distance > OTHER_BODY_M or turn > OTHER_BODY_RAD:
         raise InputError(
             f"object poses: the finger is {1e3 * distance:.0f} mm and {turn:.2f} rad from where the plan begins, at "
-            f"most {1e3 * OTHER_BODY_M:g} mm and {OTHER_BODY_RAD:g} rad are possible: the cameras tracked another body"
+            f"most {1e3 * OTHER_BODY_M:g} mm and {OTHER_BODY_RAD:g} rad are possible: the cameras tracked "
+            "another body, or their frame is not the arm's: slidepipe calibrate finds it"
         )
 
 

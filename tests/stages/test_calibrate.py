@@ -10,7 +10,7 @@ from slidepipe.artifacts.manifest import RunState
 from slidepipe.artifacts.schema import parse
 from slidepipe.artifacts.store import Store
 from slidepipe.artifacts.strict_yaml import load
-from slidepipe.errors import EstimationError, NotFoundError
+from slidepipe.errors import EstimationError, InputError, NotFoundError
 from slidepipe.stages import calibrate, estimate, execute, plan
 from slidepipe.stages.calibration_files import read_calibration
 
@@ -70,7 +70,7 @@ def test_with_the_calibration_the_estimate_is_that_of_the_truth(moved, found: ca
     assert told.document.friction.kappa_m_s2.value == pytest.approx(done.truth.kappa_m_s2, rel=0.02)
     assert [one.role for one in told.run.manifest.inputs] == ["recording", "calibration"]
     assert told.document.notes[-1].startswith(f"cameras and markers are where calibration {found.run.id} found them")
-    with pytest.raises(EstimationError):
+    with pytest.raises(InputError, match="another body, or their frame is not the arm's: slidepipe calibrate"):
         estimate.run(estimate.EstimateRequest(done.run.id, store))
     with pytest.raises(NotFoundError, match="has no calibration, its files are"):
         estimate.run(estimate.EstimateRequest(done.run.id, store, calibration=done.run.id))
