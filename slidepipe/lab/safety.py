@@ -21,6 +21,7 @@ class StopCause(Enum):
     SWAP = "markers swapped"
     OBJECT = "object lost"
     OPERATOR = "Ctrl-C"
+    ALONE = "left alone"
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,6 +97,11 @@ class Guard:
         """Find what is wrong at a tick, given what was commanded a tick ago: the arm first, then the cameras."""
         found = self._link(state) or self._arm(commanded, state) or self._cameras(state.stamp_ns)
         return None if found is None else Stop(found[0], found[1], state.stamp_ns)
+
+    @property
+    def swaps(self) -> int:
+        """How often hand and object changed names from one frame to the next."""
+        return self._swap.count
 
     def error(self, commanded: JointCommand, state: JointState) -> float:
         """Largest tracking error of a joint, rad."""

@@ -7,6 +7,7 @@ import socket
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +15,8 @@ from pathlib import Path
 LABS = Path(__file__).resolve().parents[2] / "experiments" / "labs"
 PATIENCE_S = 60.0
 SLIDEPIPE = [sys.executable, "-m", "slidepipe"]
+COARSE = ("--set", "lab.contact.timestep_s=1e-4", "--set", "lab.contact.solref_s=4e-4")
+"""A world that is played at half the cost."""
 
 
 def free_ports(count: int) -> list[int]:
@@ -39,6 +42,14 @@ def lab_file(directory: Path, **changes: str) -> Path:
     path = directory / "lab.yaml"
     path.write_text(text)
     return path
+
+
+def until(done: Callable[[], bool]) -> None:
+    """Wait until something is so."""
+    deadline = time.monotonic() + PATIENCE_S
+    while not done():
+        assert time.monotonic() < deadline, "it never happened"
+        time.sleep(0.01)
 
 
 @dataclass

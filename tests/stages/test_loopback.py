@@ -8,13 +8,12 @@ import re
 import signal
 import subprocess
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
-from loopback import PATIENCE_S, SLIDEPIPE, lab_file, serving
+from loopback import PATIENCE_S, SLIDEPIPE, lab_file, serving, until
 
 from slidepipe.artifacts.manifest import RunState
 from slidepipe.artifacts.recording import read_recording
@@ -145,13 +144,6 @@ def last_trial(scene: Scene) -> Run:
 def recorded_bytes(scene: Scene) -> int:
     """Size of a recording that is being made."""
     return max((path.stat().st_size for path in scene.store.root.glob("runs/*/.tmp-*/trial.mcap")), default=0)
-
-
-def until(done: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + PATIENCE_S
-    while not done():
-        assert time.monotonic() < deadline, "it never happened"
-        time.sleep(0.01)
 
 
 def test_nobody_there_is_told_in_time_and_nothing_is_kept_waiting(scene: Scene, tmp_path: Path) -> None:
