@@ -114,7 +114,7 @@ class Cameras:
         return BodyPose(_on_the_wire(place_m + noise_m), _on_the_wire(turn if w >= 0.0 else -turn))
 
 
-# A pose is made twice a frame while the emulator keeps time: MuJoCo's quaternions, scalar first, cost a tenth of scipy's.
+# Two poses a frame, while the emulator keeps time: MuJoCo's quaternions, scalar first, cost a tenth of scipy's.
 
 
 def _of_vector(rotation_rad: FloatArray) -> FloatArray:

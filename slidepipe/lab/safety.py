@@ -137,7 +137,7 @@ class Guard:
     def _cameras(self, now_ns: int) -> "tuple[StopCause, str] | None":
         limits = self._limits
         for what, since_ns, allowed_s, cause in (
-            ("no frame", self._frame_ns, limits.mocap_timeout_s, StopCause.MOCAP),
+            ("no new frame", self._frame_ns, limits.mocap_timeout_s, StopCause.MOCAP),
             ("the hand was not seen", self._hand_ns, limits.mocap_timeout_s, StopCause.MOCAP),
             ("the object was not seen", self._object_ns, limits.object_timeout_s, StopCause.OBJECT),
         ):
