@@ -114,7 +114,8 @@ def test_the_latest_of_a_stage_says_what_came_after_it(store):
     with pytest.raises(NotFoundError) as caught:
         listening.get("@latest:execute")
     assert str(caught.value) == (
-        f"run @latest:execute: there is none in {store.root} that ran to its end; {bad.run_id} is failed: name it by its id"
+        f"run @latest:execute: there is none in {store.root} that ran to its end; {bad.run_id} is failed: "
+        "name it by its id"
     )
     good = publish(store, stage="execute")
     assert listening.get("@latest:execute").id == good.id
