@@ -73,8 +73,30 @@ class RealLab:
     progress: Callable[[Progress], None]
     beside: Path = EXPERIMENTS
 
+    def document(self) -> LabDocument:
+        """Read the lab's file.
 
-def stream_plan(draft: Draft, plan_run: Run, experiment: Experiment, real: RealLab) -> TrialDocument:
+        Raises
+        ------
+        NotFoundError
+            There is none.
+        InputError
+            It is wrong.
+        """
+        return load_lab(find_lab(self.name, self.beside))
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """What is streamed where: a plan's run, its experiment, the lab's file, and who is asked and told."""
+
+    plan_run: Run
+    experiment: Experiment
+    lab: LabDocument
+    real: RealLab
+
+
+def stream_plan(draft: Draft, subject: Subject) -> TrialDocument:
     """Stream a plan to a lab and write the trial.
 
     Raises
@@ -84,7 +106,7 @@ def stream_plan(draft: Draft, plan_run: Run, experiment: Experiment, real: RealL
     LabError
         The arm or the cameras do not answer, or failed.
     """
-    lab = load_lab(find_lab(real.name, real.beside))
+    plan_run, experiment, lab, real = subject.plan_run, subject.experiment, subject.lab, subject.real
     reference = read_recording(plan_run.file(REFERENCE)).joints(REFERENCE_JOINTS)
     checks = preflight(reference, lab, experiment)
     provenance = {

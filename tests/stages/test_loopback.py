@@ -149,7 +149,7 @@ def recorded_bytes(scene: Scene) -> int:
 def test_nobody_there_is_told_in_time_and_nothing_is_kept_waiting(scene: Scene, tmp_path: Path) -> None:
     lab = lab_file(tmp_path, **{"connect_s__5.0": "connect_s: 0.5"})
     begun = time.monotonic()
-    with pytest.raises(LabError, match=r"^127\.0\.0\.1:\d+: no answer|^arm: nothing heard of it for 0.5 s"):
+    with pytest.raises(LabError, match=r"^cameras at 127\.0\.0\.1:\d+: no answer|^arm: nothing heard of it for 0.5 s"):
         execute.run(execute.ExecuteRequest(scene.plan.run.id, scene.store, lab=real(lab)))
     assert time.monotonic() - begun < PATIENCE_S
 
