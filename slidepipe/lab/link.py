@@ -161,5 +161,5 @@ def _meaning_of(size: int) -> str:
     """What datagrams of this size may be."""
     for codec in CODECS.values():
         if codec.size == size:
-            return f": that is the dialect {codec.name!r}"
+            return f": they may be of the dialect {codec.name!r}"
     return f": an arm of {size // 8} joints?" if size % 8 == 0 and size // 8 < wam.JOINT_COUNT else ""

@@ -3,6 +3,7 @@
 import json
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -81,6 +82,23 @@ def test_without_a_terminal_nobody_can_be_asked(call, stages) -> None:
     assert result.exit_code == ExitCode.USAGE
     assert "nobody can be asked before the arm moves: answer beforehand with --yes" in result.stderr
     assert not stages.requests
+
+
+def test_ctrl_c_at_the_question_interrupts(monkeypatch) -> None:
+    import click  # noqa: PLC0415
+
+    from slidepipe.cli import watching  # noqa: PLC0415
+
+    def asked(*_: object, **__: object) -> bool:
+        raise click.Abort
+
+    monkeypatch.setattr(watching.click, "confirm", asked)
+    question = SimpleNamespace(
+        lab=SimpleNamespace(name="loopback"), checks=(), found=SimpleNamespace(course_s=4.0, approach_s=1.0)
+    )
+    with watching.watched("loopback", yes=True) as real, pytest.raises(KeyboardInterrupt):
+        watching._Person(yes=False).confirm(question)
+    assert real.confirm(question)
 
 
 def test_the_lab_and_the_answer_go_to_the_stage(call, stages) -> None:
