@@ -89,12 +89,11 @@ class Shot:
 
 
 @contextmanager
-def streaming(scene: Scene, directory: Path) -> Iterator[Shot]:
-    """Execute on a lab that is played beside it, from when the first bytes are recorded on; nothing may stay behind."""
-    lab, shared = lab_file(directory, **{"connect_s__5.0": "connect_s: 60.0"}), shared_memory()
-    command = [*SLIDEPIPE, "--data", str(scene.store.root), "execute", scene.plan, "--lab", str(lab), "--yes"]
+def executing(scene: Scene, lab: Path) -> Iterator[Shot]:
+    """Execute on a lab; nothing may stay behind."""
+    shared = shared_memory()
     process = subprocess.Popen(  # noqa: S603  # ourselves
-        command,
+        [*SLIDEPIPE, "--data", str(scene.store.root), "execute", scene.plan, "--lab", str(lab), "--yes"],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -103,16 +102,32 @@ def streaming(scene: Scene, directory: Path) -> Iterator[Shot]:
     )
     shot = Shot(process)
     try:
-        with serving(scene.experiment, lab, *COARSE):
-            until(lambda: any(path.stat().st_size for path in scene.drafts))
-            yield shot
-            until(lambda: not shot.members)
+        yield shot
+        until(lambda: not shot.members)
     finally:
         for pid in shot.members:
             os.kill(pid, signal.SIGKILL)
         process.communicate(timeout=PATIENCE_S)
     assert list(scene.temporary.iterdir()) == []
     assert {name for name in shared_memory() - shared if str(process.pid) in name} == set()
+
+
+@contextmanager
+def streaming(scene: Scene, directory: Path) -> Iterator[Shot]:
+    """Execute on a lab that is played beside it, from the first tick that is recorded on."""
+    lab = patient_lab(directory)
+    with executing(scene, lab) as shot, serving(scene.experiment, lab, *COARSE):
+        until(lambda: any(scene.drafts))
+        (path,) = scene.drafts
+        empty = path.stat().st_size
+        until(lambda: path.stat().st_size > empty)
+        yield shot
+        until(lambda: not shot.members)
+
+
+def patient_lab(directory: Path) -> Path:
+    """A lab that is waited for as long as it takes to start it."""
+    return lab_file(directory, **{"connect_s__5.0": "connect_s: 60.0"})
 
 
 def shared_memory() -> set[str]:
@@ -140,12 +155,14 @@ def recovered(scene: Scene, last_ns: int) -> Run:
     recording = read_recording(run.file("recording"))
     assert recording.metadata["slidepipe.run"]["plan"] == scene.plan
     assert {"plan.yaml", "experiment.yaml", "lab.yaml"} <= set(recording.attachments)
-    lost_ms = 1e-6 * max(0, last_ns - max(recording.log_ns(topics.MEASURED).tolist(), default=last_ns))
-    print(f"lost the last {lost_ms:.0f} ms of {len(recording.log_ns(topics.MEASURED))} ticks")  # noqa: T201
+    kept_ns = recording.log_ns(topics.COMMANDED)
+    lost_ms = 1e-6 * max(0, last_ns - int(kept_ns[-1]))
+    print(f"lost the last {lost_ms:.0f} ms of {len(kept_ns)} ticks")  # noqa: T201
     assert lost_ms <= 1e-6 * LOST_NS
     assert "interrupted" in call(scene, "show", run.id).stdout
     assert call(scene, "verify", run.id).exit_code == 0
     assert not list(scene.store.root.glob("runs/*/.*"))
+    assert not list(run.directory.glob(".*"))
     return run
 
 
@@ -155,6 +172,19 @@ def at_some_time(shot: Shot, number: int, aim: Callable[[Shot], object]) -> int:
     now_ns = time.time_ns()
     aim(shot)
     return now_ns
+
+
+def test_what_is_killed_before_anything_is_recorded_is_told_all_the_same(scene: Scene, tmp_path: Path) -> None:
+    with executing(scene, patient_lab(tmp_path)) as shot:
+        until(lambda: any(scene.store.root.glob("runs/*/.tmp-*/.owner.yaml")))
+        os.killpg(shot.process.pid, signal.SIGKILL)
+    (before,) = scene.store.abandoned()
+    assert call(scene, "recover").exit_code == 0
+    run = scene.store.get(before.run_id)
+    assert run.manifest.state is RunState.INTERRUPTED
+    assert "recording" not in {output.role for output in run.manifest.outputs}
+    assert call(scene, "verify", run.id).exit_code == 0
+    assert not list(run.directory.glob(".*"))
 
 
 @pytest.mark.parametrize("number", range(KILLS))
@@ -169,7 +199,7 @@ def test_the_watching_process_is_killed_and_the_arm_stops_on_its_path(
     scene: Scene, tmp_path: Path, number: int
 ) -> None:
     with streaming(scene, tmp_path) as shot:
-        last_ns = at_some_time(shot, number, lambda one: one.process.kill())
+        last_ns = at_some_time(shot, number + 1, lambda one: one.process.kill())
     run = recovered(scene, last_ns)
     recording = read_recording(run.file("recording"))
     assert recording.metadata["slidepipe.end"]["state"] == "complete"

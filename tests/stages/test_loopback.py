@@ -84,7 +84,9 @@ def test_the_demonstration_lands_as_in_virtual_time(scene: Scene, tmp_path: Path
     told = estimate.run(estimate.EstimateRequest(done.run.id, scene.store)).document
     assert told.final_relative_pose is not None
     reached, wanted = told.final_relative_pose, virtual.truth.final_relative_pose
-    assert np.hypot(reached.x_m - wanted.x_m, reached.y_m - wanted.y_m) < 2e-3
+    apart_m = np.hypot(reached.x_m - wanted.x_m, reached.y_m - wanted.y_m)
+    print(f"over loopback {1e3 * apart_m:.2f} mm from the virtual run")  # noqa: T201
+    assert apart_m < 2e-3
     assert abs(reached.theta_rad - wanted.theta_rad) < 0.05
     recording = read_recording(done.run.file("recording"))
     assert [event.message for event in recording.events()][:2] == [MOTION_STARTS, MOTION_ENDS]
