@@ -55,7 +55,7 @@ def trial_document(recording: Recording, executed: Executed, experiment: Experim
         lab=executed.lab,
         seed=executed.seed,
         outcome=outcome_of(mocap, experiment, rate_hz=executed.rate_hz),
-        started_ns=execution.start_ns,
+        started_ns=execution.start_ns or execution.stop_ns,
         finished_ns=execution.stop_ns,
         frames=frame_counts(mocap),
         tracking_error=_tracking(recording, execution, experiment),

@@ -136,6 +136,13 @@ def test_how_a_trial_ended_is_the_exit_code(call, stages, *, state, changes, cod
     assert "30 us median, 60 us in 99 %, 1200 us at most" in result.stdout
 
 
+def test_a_trial_that_was_stopped_before_its_motion_says_so(call, stages) -> None:
+    changes = {"stopped": "cameras lost: no new frame for 102 ms", "started_ns": 5 * 10**18, "finished_ns": 5 * 10**18}
+    run = samples.run(samples.TRIAL, "execute", state=RunState.STOPPED)
+    stages.answer("execute", run=run, document=samples.trial().model_copy(update=changes), truth=None)
+    assert re.search(r"^lasted +the motion did not begin$", call("execute", "@latest").stdout, re.MULTILINE)
+
+
 def test_a_fault_of_the_lab_is_one_line_and_code_7(call, stages) -> None:
     stages.answers["execute"] = LabError("arm: nothing heard of it for 5 s")
     result = call("execute", "@latest", "--lab", "loopback", "--yes")

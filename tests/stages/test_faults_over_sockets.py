@@ -269,6 +269,7 @@ def stopped(done: Done, case: Case) -> None:
     gone = cause is StopCause.OBJECT or done.trial.outcome == "lost"
     assert done.state is (RunState.LOST if gone else RunState.STOPPED)
     assert f"{STOPPED}{done.trial.stopped}" in done.seen.events
+    assert 0.0 <= 1e-9 * (done.trial.finished_ns - done.trial.started_ns) < done.seen.lasted_s
     assert done.told is None
     assert "the trial was stopped: " in done.refused
     allowed_s = LINK_S + case.start_s + TIMEOUT_S.get(cause, 0.1) + STOP_S + SLACK_S
