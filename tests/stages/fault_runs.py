@@ -15,7 +15,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 from fault_evidence import Seen, look_at
-from loopback import COARSE, PATIENCE_S, lab_file
+from loopback import COARSE, PATIENCE_S, kept_time, lab_file
 
 from slidepipe.artifacts.manifest import RunState
 from slidepipe.artifacts.recording import read_recording
@@ -26,9 +26,6 @@ from slidepipe.lab import realtime
 from slidepipe.lab.faults import Fault
 from slidepipe.stages import estimate, execute, serve, watch
 from slidepipe.stages.on_lab import RealLab
-
-LATE_S = 0.006
-"""Commands are followed three ticks after they came: what is later than these is seen by the block."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +88,7 @@ def play(job: Job) -> Done:
     except SlidepipeError as error:
         refused = str(error)
     seen = look_at(read_recording(done.run.file("recording")))
-    late = kept_time(done.document, report)
+    late = kept_time(done.document, report.late_max_s)
     return Done(done.document, done.run.manifest.state, seen, report.relative_pose, told, refused, late, took_s)
 
 
@@ -106,16 +103,6 @@ def changes(home_rad: tuple[float, ...]) -> dict[str, str]:
         "hold_s__0.5}": "hold_s: 0.2}",
         "hold_s__0.3}": "hold_s: 0.0}",
     }
-
-
-def kept_time(document: TrialDocument, report: serve.ServeResult) -> str | None:
-    """Why this run shows nothing; None where the machine kept time."""
-    assert document.stream is not None
-    if document.invalid is not None or document.stream.longest_gap_s > LATE_S:
-        return f"the loop was late: a gap of {1e3 * document.stream.longest_gap_s:.1f} ms"
-    if report.late_max_s > LATE_S:
-        return f"the emulator was late by {1e3 * report.late_max_s:.1f} ms"
-    return None
 
 
 @contextmanager
