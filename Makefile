@@ -56,7 +56,7 @@ browser:  ## install the browser that the report's page is tested in (Debian, as
 	  (apt-get update -qq && apt-get install -y -qq --no-install-recommends chromium chromium-driver >/dev/null)
 
 bench: $(BENCH)  ## install the peers, then measure speed and accuracy against them
-	@command -v cyclictest >/dev/null || apt-get install --yes --quiet rt-tests >/dev/null 2>&1 \
+	@command -v cyclictest >/dev/null || (apt-get update -qq && apt-get install -y -qq --no-install-recommends rt-tests) >/dev/null 2>&1 \
 	  || echo "bench: cyclictest is missing and cannot be installed here: apt-get install rt-tests"
 	for benchmark in benchmarks/*.py; do echo "== $$benchmark"; $(BIN)/python $$benchmark || exit 1; done
 

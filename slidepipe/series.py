@@ -111,6 +111,10 @@ class StreamStatistics:
         Echoes without an answer.
     records_lost : int
         What the recorder had no room for.
+    states_lost, states_disordered : int
+        Numbered states of the arm that never came, and those that came twice or after a newer one.
+    bodies_swapped : int
+        How often the hand and the object changed names from one frame to the next.
     """
 
     stamp_ns: int
@@ -123,3 +127,6 @@ class StreamStatistics:
     datagrams_foreign: int = 0
     echoes_lost: int = 0
     records_lost: int = 0
+    states_lost: int = 0
+    states_disordered: int = 0
+    bodies_swapped: int = 0

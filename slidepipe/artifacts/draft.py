@@ -11,7 +11,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
 
-from slidepipe.artifacts.draft_document import OWNER, DraftDocument, write_draft
+from slidepipe.artifacts.draft_document import DraftDocument, write_draft
 from slidepipe.artifacts.durable import sync
 from slidepipe.artifacts.entry import MANIFEST, SEAL
 from slidepipe.artifacts.manifest import ErrorNote, InputRef, Manifest, OutputRef, Result, RunState, Times
@@ -195,7 +195,8 @@ class Draft:
         self.prepare()
         (self.staging / MANIFEST).write_text(text, encoding="utf-8")
         (self.staging / SEAL).write_text(seal_of(Run(self.staging, manifest)), encoding="utf-8")
-        (self.staging / OWNER).unlink()
+        for path in self.staging.glob(".*"):  # who makes the run, and what a killed process had only begun
+            path.unlink()
         sync([*self._files(), self.staging])
         self.staging.rename(self.final)
         sync([self.final.parent, *(made.parent for made in self._made)])

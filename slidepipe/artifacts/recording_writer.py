@@ -1,5 +1,6 @@
 """Writes recordings that survive the process that writes them."""
 
+import errno
 import fcntl
 import math
 import os
@@ -34,7 +35,7 @@ Numbers = Sequence[float] | Any
 class RecordingWriter:
     """An MCAP file in the making, to be used in a ``with`` statement.
 
-    Provenance and attachments stand first and are on the disk before the first message. Messages leave the process
+    Provenance and attachments stand first and are on the disk before the file has its name. Messages leave the process
     every 200 ms of the host's clock, as their ``log_ns`` tells it: so a killed process loses that much, and a simulated
     lab, whose clock is virtual, writes the same bytes each time.
 
@@ -61,9 +62,11 @@ class RecordingWriter:
     def __init__(
         self, path: Path, provenance: Mapping[str, str], attachments: Mapping[str, bytes] | None = None
     ) -> None:
-        self._path = path
+        self._path, made = path, path.with_name(f".{path.name}.new")
         try:
-            self._stream = path.open("xb")
+            if path.exists():
+                raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST))
+            self._stream = made.open("wb")
         except OSError as error:
             raise StoreError(f"{path}: cannot be recorded to: {error.strerror}") from None
         with suppress(OSError):  # some file systems know no locks
@@ -79,6 +82,7 @@ class RecordingWriter:
         for name, data in (attachments or {}).items():
             self._writer.add_attachment(0, 0, name, _media_type(name), data)
         self._sync()
+        made.rename(path)
 
     def __enter__(self) -> "RecordingWriter":
         return self

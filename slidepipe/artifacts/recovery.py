@@ -1,7 +1,9 @@
 """Makes a sound recording of one that was cut off or damaged."""
 
 import fcntl
+import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from operator import itemgetter
 from pathlib import Path
@@ -12,6 +14,7 @@ from slidepipe.artifacts.recording_reader import bytes_of
 from slidepipe.artifacts.recording_writer import PROVENANCE, RecordingWriter
 from slidepipe.errors import BusyError, InputError
 
+LOOK_S = 0.02
 RECOVERED = "recovered"
 """How the state of a recording begins that was recovered."""
 
@@ -66,6 +69,17 @@ def recover_recording(path: Path, more: Callable[[RecordingWriter], None] | None
     with_more = _rewrite(found, made, more)
     made.replace(path)
     return Recovery(path, found.fault, with_more)
+
+
+def await_written(path: Path, patience_s: float) -> None:
+    """Return when nobody writes a recording any more, or it is not there, or it took too long."""
+    deadline_s = time.monotonic() + patience_s
+    while time.monotonic() < deadline_s:
+        with suppress(BusyError):
+            if path.exists():
+                _check_idle(path)
+            return
+        time.sleep(LOOK_S)
 
 
 def _check_idle(path: Path) -> None:

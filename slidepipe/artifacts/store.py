@@ -4,8 +4,8 @@ Files are the truth. ``.tmp-*`` directories are drafts in the making, or of proc
 """
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
@@ -46,9 +46,19 @@ class Survey:
         return tuple(one.fault for one in self.damaged)
 
 
+def _unheard(_: str) -> None:
+    """Nobody listens."""
+
+
 @dataclass(frozen=True, slots=True)
 class Store:
     """The store below a directory; it comes to be when the first run is published.
+
+    Attributes
+    ----------
+    root : Path
+    notice : Callable
+        Told, in a line, what a person may not expect of an answer.
 
     Raises
     ------
@@ -61,6 +71,7 @@ class Store:
     """
 
     root: Path
+    notice: Callable[[str], None] = field(default=_unheard, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         check_layout(self.root)
@@ -188,9 +199,12 @@ class Store:
             return self.get_exactly(self.refs.resolve(reference))
         states = _ENDED if stage else ()
         page = self.find(Query(stage=stage if colon else None, states=states, limit=1))
+        newest = self.find(Query(stage=stage, limit=1)).entries if states else page.entries
         if not page.entries:
-            raise NotFoundError(f"run {reference}: there is none in {self.root}{_beside(page.damaged)}")
+            raise NotFoundError(f"run {reference}: there is none in {self.root}{_instead(newest, page.damaged)}")
         latest = page.entries[-1]
+        if newest[-1].run != latest.run:
+            self.notice(f"{reference}: {latest.run}; after it came {newest[-1].run}, which is {newest[-1].state}")
         hidden = [one for one in page.damaged if one.run > latest.run]
         if hidden:
             raise StoreError(
@@ -231,6 +245,13 @@ def _read(directory: Path) -> Run:
 def _may_be(run_id: str, beginning: str) -> bool:
     """Whether a run may be called by this: the beginning of its id, or of its random part."""
     return run_id.startswith(beginning) or run_id.partition("-")[2].startswith(beginning)
+
+
+def _instead(newest: Sequence[Entry], damaged: Sequence[Entry]) -> str:
+    """What there is where no run of a stage ran to its end."""
+    if newest:
+        return f" that ran to its end; {newest[-1].run} is {newest[-1].state}: name it by its id"
+    return _beside(damaged)
 
 
 def _beside(damaged: Sequence[Entry]) -> str:

@@ -53,6 +53,7 @@ class StreamReport(Record):
 class TrialDocument(Artifact):
     """What is written as ``trial.yaml``; the lab's outcome is what its operator or simulation saw.
 
+    From ``started_ns`` to ``finished_ns`` the motion lasted; both are the time of the stop where it did not begin.
     ``stopped`` says why the arm was stopped on its way, ``invalid`` why the trial must not be estimated; ``stream`` is
     null where the lab was simulated in virtual time.
     """

@@ -69,7 +69,7 @@ def end_with(ctx: click.Context, trial: "TrialDocument", run: "Run") -> None:
     state = run.manifest.state.value
     if trial.stopped is not None:
         render.note(f"stopped: {trial.stopped}")
-    if state == "interrupted":
+    if state == "interrupted" and trial.stopped is not None:
         ctx.exit(ExitCode.INTERRUPTED)
     if state == "stopped":
         ctx.exit(ExitCode.LAB)

@@ -36,7 +36,7 @@ class Session:
         """Open the run store."""
         from slidepipe.artifacts.store import Store  # noqa: PLC0415  # help must not wait for it
 
-        return Store(self.data)
+        return Store(self.data, render.note)
 
     def find(self, query: "Query") -> "Page":
         """Find runs by the index alone, which is there at once."""

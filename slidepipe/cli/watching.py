@@ -55,10 +55,12 @@ class _Person:
         )
         for check in _worth_showing(question):
             render.note(f"  {check}")
-        return self._yes or click.confirm("Move the arm?", err=True)
+        with _ctrl_c_as_it_is():
+            return self._yes or click.confirm("Move the arm?", err=True)
 
     def linked(self, found: "Readiness") -> None:  # noqa: ARG002  # the shape of the call
-        click.prompt("Link the arm at its console, then press Enter", default="", show_default=False, err=True)
+        with _ctrl_c_as_it_is():
+            click.prompt("Link the arm at its console, then press Enter", default="", show_default=False, err=True)
 
     def progress(self, progress: "Progress") -> None:
         if not sys.stderr.isatty():
@@ -70,6 +72,15 @@ class _Person:
     def close(self) -> None:
         if self._bar is not None:
             self._bar.close()
+
+
+@contextmanager
+def _ctrl_c_as_it_is() -> "Iterator[None]":
+    """Let Ctrl-C at a question be what it is elsewhere: the trial is interrupted, not failed."""
+    try:
+        yield
+    except click.Abort:
+        raise KeyboardInterrupt from None
 
 
 def _worth_showing(question: "Question") -> list[object]:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 
+import mujoco
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -68,9 +69,10 @@ class Cameras:
     def __init__(self, settings: CameraSettings, centre_m: FloatArray, random: np.random.Generator) -> None:
         self._settings, self._centre_m, self._random = settings, centre_m, random
         self._last_received_ns = 0
-        self._from_base = Rotation.from_rotvec(settings.frame.rotation_rad).inv().as_matrix()
+        from_base = Rotation.from_rotvec(settings.frame.rotation_rad).inv()
+        self._from_base, self._turn_from_base = from_base.as_matrix(), from_base.as_quat(scalar_first=True)
         self._hand_markers, self._object_markers = (
-            (one.position_m, Rotation.from_rotvec(one.rotation_rad).as_matrix())
+            (one.position_m, Rotation.from_rotvec(one.rotation_rad).as_quat(scalar_first=True))
             for one in (settings.hand_markers, settings.object_markers)
         )
 
@@ -107,8 +109,32 @@ class Cameras:
         if dropped or np.linalg.norm(position_m - self._centre_m) > CAPTURE_RADIUS_M:
             return None
         place_m = self._from_base @ (position_m + matrix @ markers_m - self._settings.frame.position_m)
-        noisy = Rotation.from_rotvec(noise_rad) * Rotation.from_matrix(self._from_base @ matrix @ markers)
-        return BodyPose(_on_the_wire(place_m + noise_m), _on_the_wire(noisy.as_quat(canonical=True)))
+        w, *xyz = _product(_of_vector(noise_rad), self._turn_from_base, _of_matrix(matrix), markers)
+        turn = np.array([*xyz, w])
+        return BodyPose(_on_the_wire(place_m + noise_m), _on_the_wire(turn if w >= 0.0 else -turn))
+
+
+# Two poses a frame, while the emulator keeps time: MuJoCo's quaternions, scalar first, cost a tenth of scipy's.
+
+
+def _of_vector(rotation_rad: FloatArray) -> FloatArray:
+    turn, angle_rad = np.empty(4), float(np.linalg.norm(rotation_rad))
+    mujoco.mju_axisAngle2Quat(turn, rotation_rad / max(angle_rad, 1e-300), angle_rad)
+    return turn
+
+
+def _of_matrix(matrix: FloatArray) -> FloatArray:
+    turn = np.empty(4)
+    mujoco.mju_mat2Quat(turn, matrix.ravel())
+    return turn
+
+
+def _product(first: FloatArray, *others: FloatArray) -> FloatArray:
+    turn = first
+    for other in others:
+        turn, left = np.empty(4), turn
+        mujoco.mju_mulQuat(turn, left, other)
+    return turn
 
 
 def _on_the_wire(values: FloatArray) -> FloatArray:

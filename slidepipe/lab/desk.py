@@ -9,6 +9,7 @@ import numpy as np
 
 from slidepipe.lab.course import Phase
 from slidepipe.lab.loop import Tick
+from slidepipe.lab.safety import StopCause
 
 PHASES = tuple(Phase)
 _STOP, _GO, _PHASE, _TICKS, _DONE, _ERROR, _LATE, _FRAMES, _TIME = range(9)
@@ -56,9 +57,11 @@ class StreamDesk:
         self._first_ns = 0
 
     @property
-    def stop_asked(self) -> bool:
-        """Whether somebody wants the arm to stop, or nobody is there any more."""
-        return bool(self._words[_STOP]) or os.getppid() != self._parent
+    def wish(self) -> StopCause | None:
+        """Why the arm shall stop: somebody wants it, or nobody is there any more."""
+        if self._words[_STOP]:
+            return StopCause.OPERATOR
+        return StopCause.ALONE if os.getppid() != self._parent else None
 
     @property
     def go(self) -> bool:

@@ -10,7 +10,7 @@ from slidepipe.errors import LabError
 from slidepipe.lab.clock import TICK_NS, Beat, Clock
 from slidepipe.lab.protocols import JointCommand, JointState, Link
 from slidepipe.lab.transport import Transport
-from slidepipe.lab.wam_codec import ArmReport, Stamp, WamCodec
+from slidepipe.lab.wam_codec import CODECS, ArmReport, Stamp, WamCodec
 from slidepipe.tick import TICK_S
 
 SEQUENCES = 2**32
@@ -153,9 +153,13 @@ class LinkedArm:
             return f"arm: nothing heard of it for {timeout_s:g} s: is its program running, and sending to this host?"
         return (
             f"arm: it sends datagrams of {self._strange} bytes, the dialect {self._codec.name!r} has {self._codec.size}"
-            f" ({wam.JOINT_COUNT} joints){_joints_in(self._strange)}"
+            f" ({wam.JOINT_COUNT} joints){_meaning_of(self._strange)}"
         )
 
 
-def _joints_in(size: int) -> str:
+def _meaning_of(size: int) -> str:
+    """What datagrams of this size may be."""
+    for codec in CODECS.values():
+        if codec.size == size:
+            return f": they may be of the dialect {codec.name!r}"
     return f": an arm of {size // 8} joints?" if size % 8 == 0 and size // 8 < wam.JOINT_COUNT else ""

@@ -21,6 +21,9 @@ STOPPED = "stopped: "
 INVALID = "invalid: "
 """How the event begins that tells why a trial is not to be estimated."""
 
+WISHES = {StopCause.OPERATOR: "a person asked for it", StopCause.ALONE: "the process that watched is gone"}
+"""Why a desk may want the arm to stop, in words."""
+
 
 @dataclass(frozen=True, slots=True)
 class LoopSettings:
@@ -58,8 +61,8 @@ class Desk(Protocol):
     """Who watches: a person before a terminal, or nobody."""
 
     @property
-    def stop_asked(self) -> bool:
-        """Whether the arm shall stop."""
+    def wish(self) -> StopCause | None:
+        """Why the arm shall stop, of :data:`WISHES`; None while it shall go on."""
 
     @property
     def go(self) -> bool:
@@ -72,7 +75,7 @@ class Desk(Protocol):
 class Nobody:
     """Watches nothing and lets everything go on."""
 
-    stop_asked = False
+    wish = None
     go = True
 
     def show(self, tick: "Tick") -> None:
@@ -172,8 +175,9 @@ class _Loop:
     def _step(self, index: int) -> Stop | None:
         phase, before = self._course.phases[index], self._sent
         state = self._tick(self._course.commands[index], phase, index / len(self._course))
-        if self._lab.desk.stop_asked:
-            return Stop(StopCause.OPERATOR, "a person asked for it", state.stamp_ns)
+        wish = self._lab.desk.wish
+        if wish is not None:
+            return Stop(wish, WISHES[wish], state.stamp_ns)
         if phase is Phase.LINK:
             self._await_link(state)
             return None

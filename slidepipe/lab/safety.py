@@ -21,6 +21,7 @@ class StopCause(Enum):
     SWAP = "markers swapped"
     OBJECT = "object lost"
     OPERATOR = "Ctrl-C"
+    ALONE = "left alone"
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,6 +98,11 @@ class Guard:
         found = self._link(state) or self._arm(commanded, state) or self._cameras(state.stamp_ns)
         return None if found is None else Stop(found[0], found[1], state.stamp_ns)
 
+    @property
+    def swaps(self) -> int:
+        """How often hand and object changed names from one frame to the next."""
+        return self._swap.count
+
     def error(self, commanded: JointCommand, state: JointState) -> float:
         """Largest tracking error of a joint, rad."""
         return float(np.abs(commanded.position_rad - state.position_rad).max())
@@ -131,7 +137,7 @@ class Guard:
     def _cameras(self, now_ns: int) -> "tuple[StopCause, str] | None":
         limits = self._limits
         for what, since_ns, allowed_s, cause in (
-            ("no frame", self._frame_ns, limits.mocap_timeout_s, StopCause.MOCAP),
+            ("no new frame", self._frame_ns, limits.mocap_timeout_s, StopCause.MOCAP),
             ("the hand was not seen", self._hand_ns, limits.mocap_timeout_s, StopCause.MOCAP),
             ("the object was not seen", self._object_ns, limits.object_timeout_s, StopCause.OBJECT),
         ):

@@ -20,7 +20,7 @@ from slidepipe.lab.course import rest_move_rest
 from slidepipe.lab.loop import Execution, execute
 from slidepipe.lab.simulated import SimulatedLab
 from slidepipe.series import FloatArray
-from slidepipe.stages.on_lab import RealLab, stream_plan
+from slidepipe.stages.on_lab import RealLab, Subject, stream_plan
 from slidepipe.stages.plan_files import EXPERIMENT, PLAN, REFERENCE, REFERENCE_JOINTS
 from slidepipe.stages.recorder import TrialRecorder
 from slidepipe.stages.translate import cameras, scattered, tracker, vector, world
@@ -100,6 +100,8 @@ def run(request: ExecuteRequest) -> ExecuteResult:
     plan_run = request.store.get(request.plan)
     plan = parse(PlanDocument, load(plan_run.file(PLAN)))
     experiment = _experiment(plan_run.file(EXPERIMENT), request.overrides)
+    real = request.lab
+    subject = None if real is None else Subject(plan_run, experiment, real.document(), real)
     draft = request.store.draft(
         stage=STAGE,
         stage_version=STAGE_VERSION,
@@ -111,8 +113,8 @@ def run(request: ExecuteRequest) -> ExecuteResult:
         command=request.command,
     )
     with draft:
-        if request.lab is not None:
-            document, truth = stream_plan(draft, plan_run, experiment, request.lab), None
+        if subject is not None:
+            document, truth = stream_plan(draft, subject), None
         else:
             document, truth = _simulate(draft, plan_run, _world_now(plan, experiment, request))
     return ExecuteResult(draft.run, document, truth)

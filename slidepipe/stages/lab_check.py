@@ -134,7 +134,7 @@ def _offset_s(client: NatNetClient, clock: RealClock) -> str:
     if at_zero_ns is None:
         return "-"
     ahead_s = 1e-9 * at_zero_ns
-    return f"{ahead_s:.4f} s (the cameras' clock is {1e-9 * clock.now_ns() - ahead_s:.1f} s old)"
+    return f"{ahead_s:.4f} s (it is {1e-9 * clock.now_ns() - ahead_s:.1f} s old)"
 
 
 def _latencies_s(client: NatNetClient, frames: list[MocapFrame]) -> str:

@@ -9,11 +9,12 @@ import numpy as np
 from slidepipe.artifacts.draft import Draft
 from slidepipe.artifacts.experiment import Experiment
 from slidepipe.artifacts.lab import LabDocument, find_lab, load_lab
-from slidepipe.artifacts.recording_reader import read_recording
+from slidepipe.artifacts.manifest import RunState
+from slidepipe.artifacts.recording_reader import Recording, read_recording
 from slidepipe.artifacts.run import Run
 from slidepipe.artifacts.schema import dump_model
 from slidepipe.artifacts.trial import StreamReport, TrialDocument
-from slidepipe.errors import LabError
+from slidepipe.errors import InputError, LabError, NotFoundError
 from slidepipe.lab.desk import Progress
 from slidepipe.planning.limits import Check
 from slidepipe.stages.labs import lab_settings
@@ -72,8 +73,30 @@ class RealLab:
     progress: Callable[[Progress], None]
     beside: Path = EXPERIMENTS
 
+    def document(self) -> LabDocument:
+        """Read the lab's file.
 
-def stream_plan(draft: Draft, plan_run: Run, experiment: Experiment, real: RealLab) -> TrialDocument:
+        Raises
+        ------
+        NotFoundError
+            There is none.
+        InputError
+            It is wrong.
+        """
+        return load_lab(find_lab(self.name, self.beside))
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """What is streamed where: a plan's run, its experiment, the lab's file, and who is asked and told."""
+
+    plan_run: Run
+    experiment: Experiment
+    lab: LabDocument
+    real: RealLab
+
+
+def stream_plan(draft: Draft, subject: Subject) -> TrialDocument:
     """Stream a plan to a lab and write the trial.
 
     Raises
@@ -83,7 +106,7 @@ def stream_plan(draft: Draft, plan_run: Run, experiment: Experiment, real: RealL
     LabError
         The arm or the cameras do not answer, or failed.
     """
-    lab = load_lab(find_lab(real.name, real.beside))
+    plan_run, experiment, lab, real = subject.plan_run, subject.experiment, subject.lab, subject.real
     reference = read_recording(plan_run.file(REFERENCE)).joints(REFERENCE_JOINTS)
     checks = preflight(reference, lab, experiment)
     provenance = {
@@ -105,15 +128,25 @@ def stream_plan(draft: Draft, plan_run: Run, experiment: Experiment, real: RealL
     job = StreamJob(settings, reference, path, provenance, attachments)
     watch = Watch(lambda found: real.confirm(Question(lab, checks, found)), real.linked, real.progress)
     outcome = stream(job, watch)
-    if outcome.recording.fault is not None:
-        raise LabError(f"recorder: {outcome.recording.fault}; slidepipe recover may save what there is")
+    fault, stop = outcome.recording.fault, outcome.execution.stop
     executed = Executed(
-        outcome.execution, plan_run.id, lab.name, None, lab.cameras.rate_hz, _report(outcome), outcome.invalid
+        outcome.execution, plan_run.id, lab.name, None, lab.cameras.rate_hz, _report(outcome), fault or outcome.invalid
     )
-    document = trial_document(read_recording(path), executed, experiment)
-    stop = outcome.execution.stop
+    document = trial_document(_recorded(path, fault), executed, experiment)
     write_trial(draft, document, None if stop is None else stop.cause)
+    if fault is not None:
+        draft.state = RunState.INTERRUPTED
     return document
+
+
+def _recorded(path: Path, fault: str | None) -> Recording:
+    """Read what the recorder wrote, and what was saved where it had a fault."""
+    try:
+        return read_recording(path)
+    except (InputError, NotFoundError) as error:
+        if fault is None:
+            raise
+        raise LabError(f"recorder: {fault}; nothing that it wrote can be read: {error}") from None
 
 
 def _report(outcome: StreamOutcome) -> StreamReport:

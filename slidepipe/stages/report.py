@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 
 from slidepipe import __version__
-from slidepipe.artifacts import topics
 from slidepipe.artifacts.recording_reader import read_recording
 from slidepipe.artifacts.schema import dump_model
 from slidepipe.artifacts.store import Store
@@ -23,7 +22,7 @@ from slidepipe.stages.goal import miss
 from slidepipe.stages.pictures import TrialRuns, TrialView
 from slidepipe.stages.report_scene import scene
 from slidepipe.stages.report_trials import ReportTrial, Subject, find_subject
-from slidepipe.stages.trial_facts import RECORDING
+from slidepipe.stages.trial_facts import RECORDING, followed
 
 MOST_SCENES = 12
 """Trials with an animation, the latest: each costs some 20 kB."""
@@ -175,11 +174,10 @@ def _pictures(subject: Subject) -> list[Picture]:
 
 
 def _joints(trial: ReportTrial) -> JointsPicture:
-    recording = read_recording(trial.trial_run.file(RECORDING))
-    commanded, measured = recording.joints(topics.COMMANDED), recording.joints(topics.MEASURED)
+    arm = followed(read_recording(trial.trial_run.file(RECORDING)))
     return JointsPicture(
-        time_s=np.asarray(1e-9 * (commanded.stamp_ns - trial.trial.started_ns), dtype=np.float64),
-        commanded=commanded.position_rad,
-        measured=measured.position_rad,
+        time_s=np.asarray(1e-9 * (arm.commanded.stamp_ns - trial.trial.started_ns), dtype=np.float64),
+        commanded=arm.commanded.position_rad,
+        measured=arm.measured.position_rad,
         slide_s=(trial.plan.slide.start_s, trial.plan.slide.stop_s),
     )

@@ -137,15 +137,17 @@ def _run(job: StreamJob, course: Course, streams: _Streams, desk: StreamDesk) ->
     arm.prepare(course.commands)
     recording = RecordingSetup(job.recording, job.provenance, job.attachments, cameras.ticks_per_s)
     with RecordingProcess(recording) as recorder:
-        there = Lab(arm, cameras, recorder.recorder, beat, Guard(lab.safety), desk, lab.loop)
+        guard = Guard(lab.safety)
+        there = Lab(arm, cameras, recorder.recorder, beat, guard, desk, lab.loop)
         with realtime() as refused:
-            cameras.take()
+            while cameras.take():  # it takes a few frames at a time, and what came while the recorder began is old
+                pass
             arm.listen_anew()
             execution = run(course, there)
         now_ns, invalid = streams.clock.now_ns(), _why_invalid(execution, lab, recorder.lost)
         for line in (*refused, *cameras.take_notices(), *(() if invalid is None else (f"{INVALID}{invalid}",))):
             recorder.recorder.event(now_ns, line)
-        recorder.recorder.statistics(_statistics(now_ns, cameras.counts, recorder.lost))
+        recorder.recorder.statistics(_statistics(now_ns, streams, lost=recorder.lost, swaps=guard.swaps))
         report = recorder.close()
     return StreamOutcome(execution, beat.lateness_ns.copy(), arm.counts, cameras.counts, report, refused, invalid)
 
@@ -182,7 +184,7 @@ def _await_leave(pipe: Connection, arm: LinkedArm, cameras: NatNetClient, desk: 
     while not pipe.poll(LOOK_S):
         cameras.take()
         arm.listen_anew()
-        if desk.stop_asked:
+        if desk.wish is not None:
             raise LabError("arm: nobody gave leave to move it")
     pipe.recv()
 
@@ -209,7 +211,8 @@ def _why_invalid(execution: Execution, lab: LabSettings, lost: int) -> str | Non
     return f"{lost} records were lost" if lost else None
 
 
-def _statistics(now_ns: int, cameras: ClientCounts, lost: int) -> StreamStatistics:
+def _statistics(now_ns: int, streams: _Streams, *, lost: int, swaps: int) -> StreamStatistics:
+    arm, cameras = streams.arm.counts, streams.cameras.counts
     frames = cameras.frames
     return StreamStatistics(
         stamp_ns=now_ns,
@@ -222,4 +225,7 @@ def _statistics(now_ns: int, cameras: ClientCounts, lost: int) -> StreamStatisti
         datagrams_foreign=cameras.foreign,
         echoes_lost=cameras.echoes_lost,
         records_lost=lost,
+        states_lost=arm.lost,
+        states_disordered=arm.disordered,
+        bodies_swapped=swaps,
     )

@@ -1,10 +1,14 @@
-"""What the cameras alone tell of a trial: whether the object was held, and how many frames there are."""
+"""What a recording tells at once: whether the object was held, how many frames there are, how the arm followed."""
+
+from dataclasses import dataclass
 
 import numpy as np
 
+from slidepipe.artifacts import topics
 from slidepipe.artifacts.experiment import Experiment
+from slidepipe.artifacts.recording_reader import Recording
 from slidepipe.artifacts.trial import FrameCounts, Outcome
-from slidepipe.series import MocapSeries
+from slidepipe.series import IntArray, JointSeries, MocapSeries
 
 TRIAL, RECORDING = "trial", "recording"
 """Roles of the files that every trial has."""
@@ -38,4 +42,25 @@ def frame_counts(mocap: MocapSeries) -> FrameCounts:
         hand_missing=int(np.sum(~mocap.frames.hand_valid)),
         object_missing=int(np.sum(~mocap.frames.object_valid)),
         longest_gap_s=float(np.max(np.diff(times_s), initial=0.0)),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Followed:
+    """What the joints were told and what they did, in the ticks of which both are known."""
+
+    commanded: JointSeries
+    measured: JointSeries
+
+
+def followed(recording: Recording) -> Followed:
+    """Read how the arm followed; a recorder that was killed may have written one half of its last tick."""
+    commanded, measured = recording.joints(topics.COMMANDED), recording.joints(topics.MEASURED)
+    _, told, done = np.intersect1d(commanded.stamp_ns, measured.stamp_ns, return_indices=True)
+    return Followed(_rows(commanded, told), _rows(measured, done))
+
+
+def _rows(series: JointSeries, rows: IntArray) -> JointSeries:
+    return JointSeries(
+        series.stamp_ns[rows], series.position_rad[rows], series.velocity_rad_s[rows], series.effort_n_m[rows]
     )

@@ -6,7 +6,6 @@ import numpy as np
 
 from slidepipe.arm.kinematics import hand_error
 from slidepipe.arm.model import nominal_model
-from slidepipe.artifacts import topics
 from slidepipe.artifacts.draft import Draft
 from slidepipe.artifacts.experiment import Experiment
 from slidepipe.artifacts.manifest import RunState
@@ -20,7 +19,7 @@ from slidepipe.lab.loop import Execution
 from slidepipe.lab.safety import StopCause
 from slidepipe.lab.simulated import Truth
 from slidepipe.stages.translate import setup
-from slidepipe.stages.trial_facts import TRIAL, frame_counts, outcome_of
+from slidepipe.stages.trial_facts import TRIAL, followed, frame_counts, outcome_of
 
 TRUTH, TRUE_POSES = "truth", "true-poses"
 """Roles of the files that a simulated trial has beside those that every one has."""
@@ -56,7 +55,7 @@ def trial_document(recording: Recording, executed: Executed, experiment: Experim
         lab=executed.lab,
         seed=executed.seed,
         outcome=outcome_of(mocap, experiment, rate_hz=executed.rate_hz),
-        started_ns=execution.start_ns,
+        started_ns=execution.start_ns or execution.stop_ns,
         finished_ns=execution.stop_ns,
         frames=frame_counts(mocap),
         tracking_error=_tracking(recording, execution, experiment),
@@ -107,7 +106,8 @@ def write_truth(draft: Draft, document: TruthDocument, poses: Truth) -> None:
 
 
 def _tracking(recording: Recording, execution: Execution, experiment: Experiment) -> TrackingError | None:
-    commanded, measured = recording.joints(topics.COMMANDED), recording.joints(topics.MEASURED)
+    arm = followed(recording)
+    commanded, measured = arm.commanded, arm.measured
     moving = (commanded.stamp_ns >= execution.start_ns) & (commanded.stamp_ns <= execution.stop_ns)
     if not execution.start_ns or not moving.any():
         return None

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 
+from slidepipe.artifacts.recovery import await_written
 from slidepipe.errors import LabError, RefusedError
 from slidepipe.lab.desk import Progress, WatchDesk, shared_words
+from slidepipe.stages.recording_process import FINISH_S
 from slidepipe.stages.streamer import LOOK_S, Readiness, StreamJob, StreamOutcome, main
 
 MARGIN_S = 30.0
@@ -57,6 +59,7 @@ def stream(job: StreamJob, watch: Watch) -> StreamOutcome:
         if process.is_alive():
             process.kill()
             process.join()
+        await_written(job.recording, FINISH_S)  # its recorder goes on for a moment where the streamer has died
 
 
 def _attend(pipe: Connection, desk: WatchDesk, watch: Watch) -> StreamOutcome:

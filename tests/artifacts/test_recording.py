@@ -1,4 +1,5 @@
 import importlib.util
+import os
 import subprocess
 import sys
 import time
@@ -133,6 +134,14 @@ def test_compiled_messages_are_those_of_the_source(tmp_path):
     subprocess.run(command, check=True)  # noqa: S603
     compiled, kept = (FileDescriptorSet.FromString(path.read_bytes()) for path in (out, room / "messages.binpb"))
     assert compiled == kept
+
+
+def test_a_recording_has_its_name_when_its_provenance_is_on_the_disk(tmp_path, monkeypatch):
+    path, named = tmp_path / "a.mcap", []
+    monkeypatch.setattr(os, "fsync", lambda _: named.append(path.exists()))
+    with RecordingWriter(path, {"run": "a"}, {"plan.yaml": b"a: 1\n"}):
+        assert named == [False]
+        assert list(tmp_path.iterdir()) == [path]
 
 
 def test_twenty_thousand_messages_are_read_fast(tmp_path):

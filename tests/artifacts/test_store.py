@@ -103,6 +103,29 @@ def test_runs_are_listed_in_order_of_finishing(store):
     assert store.get("@latest:plan").id == first.id
 
 
+def test_the_latest_of_a_stage_says_what_came_after_it(store):
+    told = []
+    listening = Store(store.root, told.append)
+    with (
+        pytest.raises(RuntimeError),
+        store.draft(stage="execute", stage_version=1, experiment="a", parameters={}) as bad,
+    ):
+        raise RuntimeError
+    with pytest.raises(NotFoundError) as caught:
+        listening.get("@latest:execute")
+    assert str(caught.value) == (
+        f"run @latest:execute: there is none in {store.root} that ran to its end; {bad.run_id} is failed: "
+        "name it by its id"
+    )
+    good = publish(store, stage="execute")
+    assert listening.get("@latest:execute").id == good.id
+    assert told == []
+    with store.draft(stage="execute", stage_version=1, experiment="a", parameters={}) as stopped:
+        stopped.state = RunState.STOPPED
+    assert listening.get("@latest:execute").id == good.id
+    assert told == [f"@latest:execute: {good.id}; after it came {stopped.run_id}, which is stopped"]
+
+
 def test_references(store, monkeypatch):
     ids = iter(["20261123T093012Z-k3f9q2aw", "20261123T093012Z-k3zzzzzz"])
     monkeypatch.setattr("slidepipe.artifacts.draft.new_run_id", lambda _: next(ids))

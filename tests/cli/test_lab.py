@@ -3,6 +3,7 @@
 import json
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -83,6 +84,23 @@ def test_without_a_terminal_nobody_can_be_asked(call, stages) -> None:
     assert not stages.requests
 
 
+def test_ctrl_c_at_the_question_interrupts(monkeypatch) -> None:
+    import click  # noqa: PLC0415
+
+    from slidepipe.cli import watching  # noqa: PLC0415
+
+    def asked(*_: object, **__: object) -> bool:
+        raise click.Abort
+
+    monkeypatch.setattr(watching.click, "confirm", asked)
+    question = SimpleNamespace(
+        lab=SimpleNamespace(name="loopback"), checks=(), found=SimpleNamespace(course_s=4.0, approach_s=1.0)
+    )
+    with watching.watched("loopback", yes=True) as real, pytest.raises(KeyboardInterrupt):
+        watching._Person(yes=False).confirm(question)
+    assert real.confirm(question)
+
+
 def test_the_lab_and_the_answer_go_to_the_stage(call, stages) -> None:
     assert call("execute", "@latest", "--lab", "loopback", "--yes").exit_code == 0
     assert stages.requests[-1].lab.name == "loopback"
@@ -116,6 +134,13 @@ def test_how_a_trial_ended_is_the_exit_code(call, stages, *, state, changes, cod
     assert "loopback lab" in result.stdout
     assert "stream" in result.stdout
     assert "30 us median, 60 us in 99 %, 1200 us at most" in result.stdout
+
+
+def test_a_trial_that_was_stopped_before_its_motion_says_so(call, stages) -> None:
+    changes = {"stopped": "cameras lost: no new frame for 102 ms", "started_ns": 5 * 10**18, "finished_ns": 5 * 10**18}
+    run = samples.run(samples.TRIAL, "execute", state=RunState.STOPPED)
+    stages.answer("execute", run=run, document=samples.trial().model_copy(update=changes), truth=None)
+    assert re.search(r"^lasted +the motion did not begin$", call("execute", "@latest").stdout, re.MULTILINE)
 
 
 def test_a_fault_of_the_lab_is_one_line_and_code_7(call, stages) -> None:

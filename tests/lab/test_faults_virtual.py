@@ -130,8 +130,8 @@ class Impatient:
         self.ticks = 0
 
     @property
-    def stop_asked(self) -> bool:
-        return self._left <= 0
+    def wish(self) -> StopCause | None:
+        return StopCause.OPERATOR if self._left <= 0 else None
 
     def show(self, tick: Tick) -> None:
         self.ticks += self._left > 0

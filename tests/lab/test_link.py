@@ -39,7 +39,11 @@ def test_connecting_sends_nothing_and_waits_no_longer_than_it_may() -> None:
 
 
 @pytest.mark.parametrize(
-    ("size", "words"), [(32, r"of 32 bytes, .* 56 \(7 joints\): an arm of 4 joints\?"), (112, r"of 112 bytes")]
+    ("size", "words"),
+    [
+        (32, r"of 32 bytes, .* 56 \(7 joints\): an arm of 4 joints\?"),
+        (112, r"of 112 bytes, .* they may be of the dialect 'velocities'$"),
+    ],
 )
 def test_another_number_of_joints_is_refused(size: int, words: str) -> None:
     arm, _, _ = linked("positions", bytes(size))

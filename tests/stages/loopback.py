@@ -7,13 +7,20 @@ import socket
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from slidepipe.artifacts.trial import TrialDocument
+
 LABS = Path(__file__).resolve().parents[2] / "experiments" / "labs"
 PATIENCE_S = 60.0
 SLIDEPIPE = [sys.executable, "-m", "slidepipe"]
+COARSE = ("--set", "lab.contact.timestep_s=1e-4", "--set", "lab.contact.solref_s=4e-4")
+"""A world that is played at half the cost."""
+LATE_S = 0.006
+"""Commands are followed three ticks after they came: what is later than these is seen by the block."""
 
 
 def free_ports(count: int) -> list[int]:
@@ -39,6 +46,22 @@ def lab_file(directory: Path, **changes: str) -> Path:
     path = directory / "lab.yaml"
     path.write_text(text)
     return path
+
+
+def until(done: Callable[[], bool]) -> None:
+    """Wait until something is so."""
+    deadline = time.monotonic() + PATIENCE_S
+    while not done():
+        assert time.monotonic() < deadline, "it never happened"
+        time.sleep(0.01)
+
+
+def kept_time(document: TrialDocument, emulator_late_s: float) -> str | None:
+    """Why a run shows nothing; None where the machine kept time."""
+    assert document.stream is not None
+    if document.invalid is not None or document.stream.longest_gap_s > LATE_S:
+        return f"the loop was late: a gap of {1e3 * document.stream.longest_gap_s:.1f} ms"
+    return f"the emulator was late by {1e3 * emulator_late_s:.1f} ms" if emulator_late_s > LATE_S else None
 
 
 @dataclass

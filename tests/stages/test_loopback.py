@@ -8,13 +8,12 @@ import re
 import signal
 import subprocess
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
-from loopback import PATIENCE_S, SLIDEPIPE, lab_file, serving
+from loopback import PATIENCE_S, SLIDEPIPE, kept_time, lab_file, serving, until
 
 from slidepipe.artifacts.manifest import RunState
 from slidepipe.artifacts.recording import read_recording
@@ -23,6 +22,7 @@ from slidepipe.artifacts.schema import parse
 from slidepipe.artifacts.store import Store
 from slidepipe.artifacts.strict_yaml import load
 from slidepipe.artifacts.trial import TrialDocument
+from slidepipe.artifacts.values import Pose
 from slidepipe.errors import EstimationError, InfeasibleError, LabError, RefusedError
 from slidepipe.lab.course import Phase
 from slidepipe.lab.desk import Progress
@@ -33,8 +33,6 @@ from slidepipe.stages.on_lab import RealLab
 ATTEMPTS = 3
 STREAMING_BYTES = 100_000
 """A recording is so large after some tenths of a second of streaming."""
-LATE_S = 0.006
-"""Commands are followed three ticks after they came: what is later than these is seen by the block."""
 
 
 @dataclass
@@ -57,36 +55,23 @@ def real(lab: Path, *, yes: bool = True) -> RealLab:
     return RealLab(str(lab), lambda _: yes, None, lambda _: None)
 
 
-def kept_time(document: TrialDocument, report: dict[str, object]) -> str | None:
-    """Why this run shows nothing; None where the machine kept time."""
-    assert document.stream is not None
-    if document.invalid is not None or document.stream.longest_gap_s > LATE_S:
-        return f"the loop was late: a gap of {1e3 * document.stream.longest_gap_s:.1f} ms"
-    if float(report["late_max_s"]) > LATE_S:  # type: ignore[arg-type]
-        return f"the emulator was late by {1e3 * float(report['late_max_s']):.1f} ms"  # type: ignore[arg-type]
-    return None
-
-
 def test_the_demonstration_lands_as_in_virtual_time(scene: Scene, tmp_path: Path) -> None:
     virtual = execute.run(execute.ExecuteRequest(scene.plan.run.id, scene.store))
     assert virtual.truth is not None
-    excuse = None
-    for _ in range(ATTEMPTS):
+    for left in reversed(range(ATTEMPTS)):
         lab = lab_file(tmp_path)
         with serving(scene.experiment, lab) as served:
             done = execute.run(execute.ExecuteRequest(scene.plan.run.id, scene.store, lab=real(lab)))
-            excuse = kept_time(done.document, served.end())
-        if excuse is None:
+            excuse = kept_time(done.document, float(served.end()["late_max_s"]))
+        try:
+            landed_alike(scene, done, virtual.truth.final_relative_pose)
+        except (AssertionError, EstimationError):
+            if excuse is None:
+                raise
+            if not left:
+                pytest.skip(f"this machine did not keep time in {ATTEMPTS} attempts: {excuse}")
+        else:
             break
-    if excuse is not None:
-        pytest.skip(f"this machine did not keep time in {ATTEMPTS} attempts: {excuse}")
-    assert done.document.stopped is None
-    assert done.run.manifest.state is RunState.COMPLETE
-    told = estimate.run(estimate.EstimateRequest(done.run.id, scene.store)).document
-    assert told.final_relative_pose is not None
-    reached, wanted = told.final_relative_pose, virtual.truth.final_relative_pose
-    assert np.hypot(reached.x_m - wanted.x_m, reached.y_m - wanted.y_m) < 2e-3
-    assert abs(reached.theta_rad - wanted.theta_rad) < 0.05
     recording = read_recording(done.run.file("recording"))
     assert [event.message for event in recording.events()][:2] == [MOTION_STARTS, MOTION_ENDS]
     assert recording.metadata["slidepipe.end"]["state"] == "complete"
@@ -94,6 +79,18 @@ def test_the_demonstration_lands_as_in_virtual_time(scene: Scene, tmp_path: Path
     assert done.document.stream is not None
     assert len(ticks.stamp_ns) == done.document.stream.ticks
     assert done.document.stream.records_lost == done.document.stream.frames_missing == 0
+
+
+def landed_alike(scene: Scene, done: execute.ExecuteResult, wanted: Pose) -> None:
+    """It ended within 2 mm of where it ended in virtual time."""
+    assert done.document.stopped is None
+    assert done.run.manifest.state is RunState.COMPLETE
+    reached = estimate.run(estimate.EstimateRequest(done.run.id, scene.store)).document.final_relative_pose
+    assert reached is not None
+    apart_m = np.hypot(reached.x_m - wanted.x_m, reached.y_m - wanted.y_m)
+    print(f"over loopback {1e3 * apart_m:.2f} mm from the virtual run")  # noqa: T201
+    assert apart_m < 2e-3
+    assert abs(reached.theta_rad - wanted.theta_rad) < 0.05
 
 
 def test_ctrl_c_stops_along_the_path_and_keeps_the_trial(scene: Scene, tmp_path: Path) -> None:
@@ -147,17 +144,10 @@ def recorded_bytes(scene: Scene) -> int:
     return max((path.stat().st_size for path in scene.store.root.glob("runs/*/.tmp-*/trial.mcap")), default=0)
 
 
-def until(done: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + PATIENCE_S
-    while not done():
-        assert time.monotonic() < deadline, "it never happened"
-        time.sleep(0.01)
-
-
 def test_nobody_there_is_told_in_time_and_nothing_is_kept_waiting(scene: Scene, tmp_path: Path) -> None:
     lab = lab_file(tmp_path, **{"connect_s__5.0": "connect_s: 0.5"})
     begun = time.monotonic()
-    with pytest.raises(LabError, match=r"^127\.0\.0\.1:\d+: no answer|^arm: nothing heard of it for 0.5 s"):
+    with pytest.raises(LabError, match=r"^cameras at 127\.0\.0\.1:\d+: no answer|^arm: nothing heard of it for 0.5 s"):
         execute.run(execute.ExecuteRequest(scene.plan.run.id, scene.store, lab=real(lab)))
     assert time.monotonic() - begun < PATIENCE_S
 

@@ -27,7 +27,8 @@ def serve_view(served: ServeResult) -> list[RenderableType]:
     rows = [
         ("ticks", f"{served.ticks}, {served.late_ticks} of them more than 5 ms late"),
         ("lateness", f"{fixed(1e6 * served.late_p99_s, 0)} us in 99 %, {fixed(1e6 * served.late_max_s, 0)} us at most"),
-        ("links", f"{served.links}, lost {served.lost_links}"),
+        ("links", str(served.links)),
+        ("limp", f"{served.lost_links}, each when no more commands came" if served.lost_links else "0"),
         ("finger on the object", f"{length_mm(x)} mm, {length_mm(y)} mm, {fixed(1e3 * theta, 1)} mrad"),
         *(("not permitted", line) for line in served.refused),
     ]

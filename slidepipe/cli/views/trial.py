@@ -36,12 +36,17 @@ def _rows(trial: TrialDocument) -> list[tuple[str, str]]:
     return [
         ("plan", trial.plan),
         ("outcome", trial.outcome),
-        ("lasted", f"{fixed(1e-9 * (trial.finished_ns - trial.started_ns), 3)} s"),
+        ("lasted", _lasted(trial)),
         ("tracking error", _tracking(trial)),
         ("frames", f"{frames.taken}, {_missing(trial)}, longest gap {fixed(1e3 * frames.longest_gap_s, 1)} ms"),
         *(_stream(trial.stream) if trial.stream is not None else ()),
         *((name, text) for name, text in (("stopped", trial.stopped), ("invalid", trial.invalid)) if text is not None),
     ]
+
+
+def _lasted(trial: TrialDocument) -> str:
+    lasted_s = 1e-9 * (trial.finished_ns - trial.started_ns)
+    return f"{fixed(lasted_s, 3)} s" if lasted_s else "the motion did not begin"
 
 
 def _stream(stream: StreamReport) -> list[tuple[str, str]]:

@@ -102,7 +102,7 @@ class NatNetClient:
     def info(self) -> m.ServerInfo:
         """What the server said of itself."""
         if self._info is None:
-            raise LabError(f"{self._wire.server}: is not connected")
+            raise LabError(f"{self._wire.name}: is not connected")
         return self._info
 
     @property
@@ -114,7 +114,7 @@ class NatNetClient:
     def models(self) -> ModelDef:
         """The server's models as it told them last."""
         if self._models is None:
-            raise LabError(f"{self._wire.server}: is not connected")
+            raise LabError(f"{self._wire.name}: is not connected")
         return self._models
 
     @property
@@ -177,7 +177,7 @@ class NatNetClient:
             if body.id is None:
                 there = ", ".join(f"{one.name} ({one.id})" for one in self.models.bodies) or "none"
                 raise LabError(
-                    f"{self._wire.server}: has no rigid body {body.asked.model} for the {body.role}, there are: {there}"
+                    f"{self._wire.name}: has no rigid body {body.asked.model} for the {body.role}, there are: {there}"
                 )
         self._synchronise()
 
@@ -196,9 +196,9 @@ class NatNetClient:
             self._wire.send(m.Request(f"Bitstream,{NEWEST}"))
             version = NEWEST
         if not OLDEST <= version <= NEWEST:
-            raise LabError(f"{self._wire.server}: speaks NatNet {version}, from {OLDEST} to {NEWEST} is understood")
+            raise LabError(f"{self._wire.name}: speaks NatNet {version}, from {OLDEST} to {NEWEST} is understood")
         if version >= CLOCK_SINCE and (self.info.stream is None or not self.info.stream.clock_hz):
-            raise LabError(f"{self._wire.server}: does not tell the rate of its clock")
+            raise LabError(f"{self._wire.name}: does not tell the rate of its clock")
         self._wire.version = version
 
     def _synchronise(self) -> None:

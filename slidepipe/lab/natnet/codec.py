@@ -116,17 +116,17 @@ def _empty(number: int, kind: type[Any]) -> _Kind:
     return _Kind(number, kind, lambda _reader: kind(), lambda _out, _value, _version: None)
 
 
-def _words(number: int, kind: type[Any]) -> _Kind:
+def _words(number: int, kind: type[m.Words]) -> _Kind:
     """Words up to a zero byte, or to the end."""
 
-    def read(reader: Reader) -> Any:
+    def read(reader: Reader) -> m.Words:
         return kind(_text(reader.data))
 
     return _Kind(number, kind, read, lambda out, value, version: layouts.TEXT.write(out, value.text, version))
 
 
-def _of_record(number: int, kind: type[Any], record: Record) -> _Kind:
-    return _Kind(number, kind, record.read, record.write)
+def _of_record(number: int, record: Record) -> _Kind:
+    return _Kind(number, record.kind, record.read, record.write)
 
 
 def _read_response(reader: Reader) -> m.Response:
@@ -162,18 +162,18 @@ def _text(data: bytes) -> str:
 
 _KINDS = (
     _greeting(0, m.Connect),
-    _of_record(1, m.ServerInfo, layouts.SERVER_INFO),
+    _of_record(1, layouts.SERVER_INFO),
     _words(2, m.Request),
     _Kind(3, m.Response, _read_response, _write_response),
     _empty(4, m.ModelDefRequest),
-    _of_record(5, ModelDef, layouts.MODEL_DEF),
+    _of_record(5, layouts.MODEL_DEF),
     _empty(6, m.FrameRequest),
     _Kind(7, m.Frame, _read_frame, _write_frame),
     _words(8, m.MessageString),
     _empty(9, m.Disconnect),
     _empty(10, m.KeepAlive),
-    _of_record(12, m.EchoRequest, layouts.ECHO_REQUEST),
-    _of_record(13, m.EchoResponse, layouts.ECHO_RESPONSE),
+    _of_record(12, layouts.ECHO_REQUEST),
+    _of_record(13, layouts.ECHO_RESPONSE),
     _greeting(14, m.Discovery),
     _empty(100, m.Unrecognized),
 )

@@ -41,6 +41,7 @@ class Connection:
 
     def __init__(self, settings: NatNetSettings, clock: TellsTime) -> None:
         self.server = Address(settings.server, settings.command_port)
+        self.name = f"cameras at {self.server}"
         self.version = NEWEST
         self.malformed = self.foreign = 0
         self._timeout_s = settings.timeout_s
@@ -83,7 +84,7 @@ class Connection:
         while not done():
             now = time.monotonic()
             if now > deadline:
-                raise LabError(f"{self.server}: {complaint} within {self._timeout_s:g} s")
+                raise LabError(f"{self.name}: {complaint} within {self._timeout_s:g} s")
             if now - asked >= ASK_AGAIN_S:
                 self.send(question)
                 asked = now

@@ -92,7 +92,7 @@ class _ModelPiece(Piece):
         (kind,) = reader.unpack(I32.flat(reader.version).form)
         size = reader.count(1) if reader.version >= SIZED_SINCE else None
         if 0 <= kind < len(MODELS):
-            return MODELS[kind][1].read(reader)
+            return MODELS[kind].read(reader)
         if size is None:
             raise PacketError(f"byte {reader.offset}: description of unknown kind {kind}")
         return models.UnknownModel(kind, reader.take(size))
@@ -102,8 +102,8 @@ class _ModelPiece(Piece):
         if isinstance(value, models.UnknownModel):
             kind, body = value.kind, bytearray(value.data)
         else:
-            kind = next(number for number, (model, _) in enumerate(MODELS) if isinstance(value, model))
-            MODELS[kind][1].write(body, value, version)
+            kind = next(number for number, model in enumerate(MODELS) if isinstance(value, model.kind))
+            MODELS[kind].write(body, value, version)
         I32.write(out, kind, version)
         if version >= SIZED_SINCE:
             I32.write(out, len(body), version)
@@ -143,14 +143,6 @@ BODY = Record(
     Field("params", I16, since=V2_6, default=int(m.BodyFlags.TRACKED)),
 )
 _ANALOG = Record(m.Analog, Field("id", I32), Field("channels", Many(Many(F32))))
-_ASSET_MARKER = Record(
-    m.AssetMarker,
-    Field("id", I32),
-    Field("position_m", POINT),
-    Field("size_m", F32),
-    Field("params", I16),
-    Field("residual_m", F32),
-)
 _LABELLED = Record(
     m.LabelledMarker,
     Field("id", I32),
@@ -175,7 +167,7 @@ FRAME = Record(
     _section("skeletons", Record(m.Skeleton, Field("id", I32), Field("bodies", Many(BODY)))),
     _section(
         "assets",
-        Record(m.Asset, Field("id", I32), Field("bodies", Many(BODY)), Field("markers", Many(_ASSET_MARKER))),
+        Record(m.Asset, Field("id", I32), Field("bodies", Many(BODY)), Field("markers", Many(_LABELLED))),
         V4_1,
     ),
     _section("labelled_markers", _LABELLED),
@@ -210,69 +202,48 @@ _BODY_MODEL = Record(
         default=(),
     ),
 )
+_ASSET_MARKER_MODEL = Record(
+    models.AssetMarkerModel,
+    Field("name", TEXT),
+    Field("id", I32),
+    Field("position_m", POINT),
+    Field("size_m", F32),
+    Field("params", I16),
+)
 _CHANNELS = (Field("channel_type", I32), Field("channels", Many(TEXT)))
 
-MODELS: tuple[tuple[type[Any], Record], ...] = (
-    (models.MarkerSetModel, Record(models.MarkerSetModel, Field("name", TEXT), Field("markers", Many(TEXT)))),
-    (models.RigidBodyModel, _BODY_MODEL),
-    (
-        models.SkeletonModel,
-        Record(models.SkeletonModel, Field("name", TEXT), Field("id", I32), Field("bodies", Many(_BODY_MODEL))),
-    ),
-    (
+MODELS = (
+    Record(models.MarkerSetModel, Field("name", TEXT), Field("markers", Many(TEXT))),
+    _BODY_MODEL,
+    Record(models.SkeletonModel, Field("name", TEXT), Field("id", I32), Field("bodies", Many(_BODY_MODEL))),
+    Record(
         models.ForcePlateModel,
-        Record(
-            models.ForcePlateModel,
-            Field("id", I32),
-            Field("serial", TEXT),
-            Field("width", F32),
-            Field("length", F32),
-            Field("origin", POINT),
-            Field("calibration", Number("f", 144)),
-            Field("corners", Number("f", 12)),
-            Field("plate_type", I32),
-            *_CHANNELS,
-        ),
+        Field("id", I32),
+        Field("serial", TEXT),
+        Field("width", F32),
+        Field("length", F32),
+        Field("origin", POINT),
+        Field("calibration", Number("f", 144)),
+        Field("corners", Number("f", 12)),
+        Field("plate_type", I32),
+        *_CHANNELS,
     ),
-    (
+    Record(
         models.DeviceModel,
-        Record(
-            models.DeviceModel,
-            Field("id", I32),
-            Field("name", TEXT),
-            Field("serial", TEXT),
-            Field("device_type", I32),
-            *_CHANNELS,
-        ),
+        Field("id", I32),
+        Field("name", TEXT),
+        Field("serial", TEXT),
+        Field("device_type", I32),
+        *_CHANNELS,
     ),
-    (
-        models.CameraModel,
-        Record(
-            models.CameraModel, Field("name", TEXT), Field("position_m", POINT), Field("quaternion_xyzw", QUATERNION)
-        ),
-    ),
-    (
+    Record(models.CameraModel, Field("name", TEXT), Field("position_m", POINT), Field("quaternion_xyzw", QUATERNION)),
+    Record(
         models.AssetModel,
-        Record(
-            models.AssetModel,
-            Field("name", TEXT),
-            Field("asset_type", I32),
-            Field("id", I32),
-            Field("bodies", Many(_BODY_MODEL)),
-            Field(
-                "markers",
-                Many(
-                    Record(
-                        models.AssetMarkerModel,
-                        Field("name", TEXT),
-                        Field("id", I32),
-                        Field("position_m", POINT),
-                        Field("size_m", F32),
-                        Field("params", I16),
-                    )
-                ),
-            ),
-        ),
+        Field("name", TEXT),
+        Field("asset_type", I32),
+        Field("id", I32),
+        Field("bodies", Many(_BODY_MODEL)),
+        Field("markers", Many(_ASSET_MARKER_MODEL)),
     ),
 )
 """Kinds of description by their number on the wire."""

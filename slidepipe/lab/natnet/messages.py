@@ -66,10 +66,15 @@ class ServerInfo:
 
 
 @dataclass(frozen=True, slots=True)
-class Request:
-    """A command in words, such as ``Bitstream,4.1``."""
+class Words:
+    """What is said in words."""
 
     text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Request(Words):
+    """A command, such as ``Bitstream,4.1``."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,10 +95,8 @@ class FrameRequest:
 
 
 @dataclass(frozen=True, slots=True)
-class MessageString:
+class MessageString(Words):
     """Words from the server."""
-
-    text: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,14 +172,17 @@ class Skeleton:
 
 
 @dataclass(frozen=True, slots=True)
-class AssetMarker:
-    """A marker of a trained asset."""
+class LabelledMarker:
+    """A marker that is known: its id holds the model in the upper and the marker in the lower 16 bits.
+
+    The markers of a trained asset are told in the same way.
+    """
 
     id: int
     position_m: Numbers
     size_m: float
-    params: int
-    residual_m: float
+    params: int = 0
+    residual_m: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,18 +191,7 @@ class Asset:
 
     id: int
     bodies: tuple[RigidBody, ...]
-    markers: tuple[AssetMarker, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class LabelledMarker:
-    """A marker that is known: its id holds the model in the upper and the marker in the lower 16 bits."""
-
-    id: int
-    position_m: Numbers
-    size_m: float
-    params: int = 0
-    residual_m: float = 0.0
+    markers: tuple[LabelledMarker, ...]
 
 
 @dataclass(frozen=True, slots=True)

@@ -36,7 +36,7 @@ class Record(Piece):
 
     __slots__ = ("_flats", "_leasts", "fields", "kind")
 
-    def __init__(self, kind: Callable[..., Any], *fields: Field) -> None:
+    def __init__(self, kind: type[Any], *fields: Field) -> None:
         self.kind, self.fields = kind, fields
         self._flats: dict[NatNetVersion, Flat | None] = {}
         self._leasts: dict[NatNetVersion, int] = {}
@@ -91,7 +91,7 @@ class Record(Piece):
 
 
 def _maker(
-    kind: Callable[..., Any], cuts: tuple[int | slice, ...], defaults: tuple[Any, ...]
+    kind: type[Any], cuts: tuple[int | slice, ...], defaults: tuple[Any, ...]
 ) -> Callable[[tuple[Any, ...]], Any]:
     def make(numbers: tuple[Any, ...]) -> Any:
         values = numbers + defaults

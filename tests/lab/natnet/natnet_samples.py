@@ -31,7 +31,7 @@ FRAME = m.Frame(
     legacy_markers=((0.5, 0.25, 0.125),),
     bodies=(body(3), m.RigidBody(7, (1.0, 2.0, 3.0), (0.0, 1.0, 0.0, 0.0), params=0)),
     skeletons=(m.Skeleton(9, (body(1), body(2))),),
-    assets=(m.Asset(4, (body(5),), (m.AssetMarker(6, (0.0, 0.0, 1.0), 0.5, 2, 0.25),)),),
+    assets=(m.Asset(4, (body(5),), (m.LabelledMarker(6, (0.0, 0.0, 1.0), 0.5, 2, 0.25),)),),
     labelled_markers=(m.LabelledMarker(3 << 16 | 1, (1.5, 0.0, 0.0), 0.5, 10, 0.25),),
     force_plates=(m.Analog(1, ((1.0, 2.0), ())),),
     devices=(m.Analog(2, ((3.0,),)),),
@@ -110,7 +110,7 @@ frames = st.builds(
     skeletons=several(st.builds(m.Skeleton, whole, several(bodies))),
     assets=several(
         st.builds(
-            m.Asset, whole, several(bodies), several(st.builds(m.AssetMarker, whole, points, floats, short, floats))
+            m.Asset, whole, several(bodies), several(st.builds(m.LabelledMarker, whole, points, floats, short, floats))
         )
     ),
     labelled_markers=several(st.builds(m.LabelledMarker, whole, points, floats, short, floats)),

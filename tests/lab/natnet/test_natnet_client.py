@@ -285,7 +285,7 @@ def test_nobody_answers() -> None:
     settings = NatNetSettings(
         LOOPBACK, LOOPBACK, TrackedBody("hand"), TrackedBody("block"), command_port=port, data_port=0, timeout_s=0.3
     )
-    with pytest.raises(LabError, match=rf"^127\.0\.0\.1:{port}: no answer within 0\.3 s$"):
+    with pytest.raises(LabError, match=rf"^cameras at 127\.0\.0\.1:{port}: no answer within 0\.3 s$"):
         NatNetClient(settings, HostClock()).__enter__()
 
 
