@@ -131,18 +131,18 @@ def _rows(schema: Mapping[str, Any], defs: Mapping[str, Any], above: str) -> Ite
         told = _resolved(value, defs)
         needed = "required" if key in schema.get("required", ()) else f"default `{json.dumps(value.get('default'))}`"
         yield above + key, _kind(value, defs), ". ".join(filter(None, [needed, _plain(told.get("description", ""))]))
-        for inner in _objects(value, defs):
-            many = ".N." if told.get("type") == "array" else "."
-            yield from _rows(inner, defs, above + key + many)
+        for many, inner in _objects(told, defs):
+            yield from _rows(inner, defs, f"{above}{key}{many}.")
 
 
-def _objects(value: Mapping[str, Any], defs: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
-    told = _resolved(value, defs)
-    for one in (told, *told.get("anyOf", ()), told.get("items", {})):
-        inner = _resolved(one, defs)
-        if "properties" in inner:
-            yield inner
-            return
+def _objects(told: Mapping[str, Any], defs: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """Objects that a value is, may be, or is a list of, each with ``.N`` for the list."""
+    if "properties" in told:
+        yield "", told
+    for one in told.get("anyOf", ()):
+        yield from _objects(_resolved(one, defs), defs)
+    if isinstance(told.get("items"), dict):
+        yield from ((f".N{many}", inner) for many, inner in _objects(_resolved(told["items"], defs), defs))
 
 
 def _resolved(value: Mapping[str, Any], defs: Mapping[str, Any]) -> Mapping[str, Any]:
