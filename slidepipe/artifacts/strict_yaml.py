@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -167,9 +168,7 @@ class _Dumper(yaml.CSafeDumper):
 
     def words(self, data: str) -> yaml.ScalarNode:
         text = str(data)
-        resolve: Any = _YAML_1_1.resolve
-        plain_elsewhere = resolve(yaml.ScalarNode, text, (True, False)) == STR
-        return self.represent_scalar(STR, text, style=None if plain_elsewhere else "'")
+        return self.represent_scalar(STR, text, style=None if _plain_elsewhere(text) else "'")
 
     def items(self, data: Sequence[object]) -> yaml.SequenceNode:
         short = len(data) <= 8 and all(isinstance(item, int | float) for item in data)
@@ -177,6 +176,15 @@ class _Dumper(yaml.CSafeDumper):
 
 
 _YAML_1_1 = yaml.resolver.Resolver()
+
+
+@lru_cache(maxsize=4096)
+def _plain_elsewhere(text: str) -> bool:
+    """Whether a reader of YAML 1.1 takes this for text without quotes; keys come again and again."""
+    resolve: Any = _YAML_1_1.resolve
+    return bool(resolve(yaml.ScalarNode, text, (True, False)) == STR)
+
+
 use_core_schema(_Dumper)
 _Dumper.add_representer(str, _Dumper.words)
 _Dumper.add_representer(list, _Dumper.items)
