@@ -133,8 +133,7 @@ def parse_text(text: str, name: str) -> object:
         return loader.document()
     except yaml.MarkedYAMLError as error:
         place = _line_column(error.problem_mark or error.context_mark)
-        what = " ".join(part for part in (error.context, error.problem) if part)
-        raise InputError(f"{name}:{place}: {what}") from None
+        raise InputError(f"{name}:{place}: {_problem(error, text)}") from None
     finally:
         loader.dispose()
 
@@ -202,6 +201,14 @@ def _child(node: yaml.Node | None, key: str | int) -> tuple[Any, yaml.Node] | No
     if isinstance(node, yaml.SequenceNode) and isinstance(key, int) and key < len(node.value):
         return node.value[key].start_mark, node.value[key]
     return None
+
+
+def _problem(error: yaml.MarkedYAMLError, text: str) -> str:
+    mark = error.problem_mark
+    line = text.splitlines()[mark.line : mark.line + 1] if mark else []
+    if mark and "cannot start any token" in (error.problem or "") and line and line[0][mark.column :][:1] == "\t":
+        return "a tab cannot indent YAML: use spaces"
+    return " ".join(part for part in (error.context, error.problem) if part)
 
 
 def _line_column(mark: Any) -> str:
