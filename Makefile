@@ -5,11 +5,12 @@ BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
 DEV    := $(VENV)/.installed-dev
 BENCH  := $(VENV)/.installed-bench
+DOCS   := $(VENV)/.installed-docs
 
 PEERS  := tests/lab/natnet/test_natnet_peers.py tests/artifacts/test_recording_peers.py
 
 .DEFAULT_GOAL := help
-.PHONY: help demo figures browser test check check-peers bench real-data recorded clean
+.PHONY: help demo docs figures browser test check check-peers bench real-data recorded clean
 
 help:  ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -29,8 +30,15 @@ $(BENCH): pyproject.toml | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
 	@touch $@ $(STAMP)
 
+$(DOCS): pyproject.toml | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	@touch $@ $(STAMP)
+
 demo: $(STAMP)  ## install, then plan, execute, estimate and iterate a regrasp on the simulated lab
 	$(BIN)/slidepipe run experiments/regrasp.yaml
+
+docs: $(DOCS)  ## make the documentation with its reference as pages for a browser: build/docs/index.html
+	$(BIN)/python docs/build.py
 
 figures: $(STAMP)  ## draw the paper's figures into figures/, and its numbers beside ours into docs/paper.md
 	$(BIN)/slidepipe figures --table docs/paper.md

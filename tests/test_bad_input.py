@@ -92,3 +92,30 @@ def test_recording_alone_is_enough(call: Callable, tmp_path: Path) -> None:
     result = call("estimate", "trial.mcap")
     assert result.exit_code == 0, result.stderr
     assert "kappa" in result.stdout
+
+
+def test_a_plan_that_was_edited_after_it_was_published_is_not_executed(call: Callable, tmp_path: Path) -> None:
+    shutil.copy(ROOT / "experiments" / "paper_rotational.yaml", tmp_path / "mine.yaml")
+    assert call("plan", "mine.yaml").exit_code == 0
+    (plan,) = tmp_path.glob("data/runs/*/*/reference.mcap")
+    whole = plan.read_bytes()
+    plan.write_bytes(whole[:-1] + bytes([whole[-1] ^ 1]))
+    result = call("execute", "@latest")
+    assert (result.exit_code, result.stdout) == (5, "")
+    assert result.stderr == (
+        f"error: {plan.relative_to(tmp_path)}: was changed after it was published: nothing is made from it"
+        " (slidepipe verify)\n"
+    )
+    plan.unlink()
+    result = call("execute", "@latest")
+    assert (result.exit_code, result.stdout) == (4, "")
+    assert "is missing (slidepipe repair restores it where there is a copy)" in result.stderr
+
+
+def test_slips_of_the_pen(call: Callable, tmp_path: Path) -> None:
+    (tmp_path / "tab.yaml").write_text("schema: slidepipe.experiment/2\nobject:\n\tsize_x_m: 1\n")
+    assert call("plan", "tab.yaml").stderr == "error: tab.yaml:3:1: a tab cannot indent YAML: use spaces\n"
+    assert "No such command 'plann'. Did you mean plan?" in call("plann", "tab.yaml").stderr
+    assert call("execute", "tab.yaml").stderr == (
+        "error: run tab.yaml: there is none in data; it is a file: slidepipe plan makes a run of an experiment file\n"
+    )

@@ -8,19 +8,30 @@ import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
+from functools import cache
 from pathlib import Path
 from types import TracebackType
 
-from slidepipe.artifacts.draft_document import DraftDocument, write_draft
+from slidepipe.artifacts.draft_document import DraftDocument, add_role, write_draft
 from slidepipe.artifacts.durable import sync
 from slidepipe.artifacts.entry import MANIFEST, SEAL
-from slidepipe.artifacts.manifest import ErrorNote, InputRef, Manifest, OutputRef, Result, RunState, Times
+from slidepipe.artifacts.manifest import (
+    Code,
+    Environment,
+    ErrorNote,
+    InputRef,
+    Manifest,
+    OutputRef,
+    Result,
+    RunState,
+    Times,
+)
 from slidepipe.artifacts.provenance import code_state, environment, recipe_of, sha256_of
 from slidepipe.artifacts.run import Run
 from slidepipe.artifacts.run_id import STAGING, new_run_id
 from slidepipe.artifacts.schema import dump_model, parse
 from slidepipe.artifacts.seal import seal_of
-from slidepipe.artifacts.strict_yaml import loads
+from slidepipe.artifacts.strict_yaml import dump, loads
 from slidepipe.errors import InputError, StoreError
 
 _PATCH = "diff.patch"
@@ -115,7 +126,7 @@ class Draft:
             raise StoreError(f"run {self.run_id}: {role} and {name}: each role is for one file")
         self._roles[name] = role
         if self.staging.is_dir():
-            self._write_draft()
+            add_role(self.staging, name, role)
         return path
 
     def report(self, name: str, value: float, *, std: float | None = None, unit: str) -> None:
@@ -179,28 +190,30 @@ class Draft:
             parameters=dict(asked.parameters),
             inputs=tuple(asked.inputs),
             command=tuple(asked.command),
-            roles=dict(self._roles),
             code=code_state().code,
             environment=environment(),
+            roles=dict(self._roles),
         )
-        write_draft(self.staging, document)
+        write_draft(self.staging, document, _written(document.code, document.environment))
 
     def _fail(self, error: BaseException) -> None:
         self.state = RunState.FAILED if isinstance(error, Exception) else RunState.INTERRUPTED
         self._publish(ErrorNote(type=type(error).__name__, message=str(error)))
 
     def _publish(self, note: ErrorNote | None) -> None:
-        text = dump_model(self._manifest(note))
-        manifest = parse(Manifest, loads(text, str(self.final / MANIFEST)))
+        told = self._manifest(note)
+        staging, final = self.staging, self.final
+        text = dump_model(told, _written(told.code, told.environment))
+        manifest = parse(Manifest, loads(text, str(final / MANIFEST)))
         self.prepare()
-        (self.staging / MANIFEST).write_text(text, encoding="utf-8")
-        (self.staging / SEAL).write_text(seal_of(Run(self.staging, manifest)), encoding="utf-8")
-        for path in self.staging.glob(".*"):  # who makes the run, and what a killed process had only begun
+        (staging / MANIFEST).write_text(text, encoding="utf-8")
+        (staging / SEAL).write_text(seal_of(Run(staging, manifest)), encoding="utf-8")
+        for path in staging.glob(".*"):  # who makes the run, and what a killed process had only begun
             path.unlink()
-        sync([*self._files(), self.staging])
-        self.staging.rename(self.final)
-        sync([self.final.parent, *(made.parent for made in self._made)])
-        self._run = Run(self.final, manifest)
+        sync([*self._files(), staging])
+        staging.rename(final)
+        sync([final.parent, *(made.parent for made in self._made)])
+        self._run = Run(final, manifest)
 
     def _manifest(self, note: ErrorNote | None) -> Manifest:
         asked = self.request
@@ -238,6 +251,18 @@ class Draft:
             if name in files:
                 size = files[name].stat().st_size
                 yield OutputRef(role=role, file=name, sha256=sha256_of(files[name]), size=size)
+
+
+def _written(code: Code, its_environment: Environment) -> Mapping[str, str]:
+    """What is the same in every manifest of this process, as it stands in each: most of its lines."""
+    same = code is code_state().code and its_environment is environment()
+    return _of_this_process() if same else {}
+
+
+@cache
+def _of_this_process() -> Mapping[str, str]:
+    told = {"code": code_state().code, "environment": environment()}
+    return {key: dump({key: value.model_dump()}) for key, value in told.items()}
 
 
 def _instant(when: datetime) -> str:

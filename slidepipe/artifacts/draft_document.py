@@ -2,13 +2,15 @@
 
 import os
 import platform
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated, ClassVar
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from slidepipe.artifacts.manifest import Code, Environment, InputRef, Instant
 from slidepipe.artifacts.schema import Artifact, dump_model, parse
@@ -18,12 +20,13 @@ from slidepipe.artifacts.values import Count, RunId, Slug
 OWNER = ".owner.yaml"
 _BEFORE_S = 2.0
 """A process that began this much after the run did is another one with the same number."""
+_NO_ROLES, _ROLES = "\nroles: {}\n", "\nroles:\n"
 _DEAD = ("Z", "X")
 """States of a process that has died and whose parent has not noticed yet."""
 
 
 class DraftDocument(Artifact):
-    """What stands beside the files of a run in the making; ``roles`` by the name of the file."""
+    """What stands beside the files of a run in the making; ``roles`` by file name, last, so that they can grow."""
 
     SCHEMA: ClassVar[str] = "slidepipe.draft"
 
@@ -38,9 +41,9 @@ class DraftDocument(Artifact):
     parameters: dict[str, object]
     inputs: tuple[InputRef, ...]
     command: tuple[str, ...]
-    roles: dict[str, str]
     code: Code
     environment: Environment
+    roles: Annotated[dict[str, str], BeforeValidator(lambda value: value or {})]
 
     @property
     def begun_at(self) -> datetime:
@@ -77,11 +80,17 @@ def read_draft(staging: Path) -> DraftDocument:
     return parse(DraftDocument, load(staging / OWNER))
 
 
-def write_draft(staging: Path, draft: DraftDocument) -> None:
-    """Say who makes the run, in place of what was said before."""
+def write_draft(staging: Path, draft: DraftDocument, written: Mapping[str, str] = MappingProxyType({})) -> None:
+    """Say who makes the run, in place of what was said before; ``written`` as in :func:`dump_model`."""
     made = staging / f"{OWNER}.new"
-    made.write_text(dump_model(draft), encoding="utf-8")
+    made.write_text(dump_model(draft, written).replace(_NO_ROLES, _ROLES), encoding="utf-8")
     made.replace(staging / OWNER)
+
+
+def add_role(staging: Path, name: str, role: str) -> None:
+    """Say which role a file has: one line more, since a file that is put in the place of another waits for the disk."""
+    with (staging / OWNER).open("a", encoding="utf-8") as stream:
+        stream.write(f"  '{name}': '{role}'\n")
 
 
 @dataclass(frozen=True, slots=True)

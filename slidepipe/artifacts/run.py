@@ -42,6 +42,23 @@ class Run:
         output = self._output(role)
         return InputRef(role=role, sha256=output.sha256, size=output.size, run=self.id, file=output.file)
 
+    def whole_input(self, role: str) -> InputRef:
+        """Return the output as an input of another run, which must be made from what was published.
+
+        Raises
+        ------
+        NotFoundError
+            The run has no such output, or its file is missing.
+        StoreError
+            The file was changed since.
+        """
+        path = self.file(role)
+        if not path.exists():
+            raise NotFoundError(f"{path}: is missing (slidepipe repair restores it where there is a copy)")
+        if not is_whole(path, self._output(role)):
+            raise StoreError(f"{path}: was changed after it was published: nothing is made from it (slidepipe verify)")
+        return self.input(role)
+
     def _output(self, role: str) -> OutputRef:
         for output in self.manifest.outputs:
             if output.role == role:

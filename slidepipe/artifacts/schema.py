@@ -5,7 +5,9 @@ stand in :data:`UPCASTS`.
 """
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from itertools import groupby
+from types import MappingProxyType
 from typing import Any, ClassVar, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
@@ -78,9 +80,21 @@ def parse(model: type[AnyArtifact], document: YamlDocument) -> AnyArtifact:
     return artifact
 
 
-def dump_model(artifact: Artifact) -> str:
-    """Document as YAML text, its schema first; :func:`parse` reads back an equal one."""
-    return dump({"schema": f"{artifact.SCHEMA}/{artifact.VERSION}", **artifact.model_dump()})
+def dump_model(artifact: Artifact, written: Mapping[str, str] = MappingProxyType({})) -> str:
+    """Document as YAML text, its schema first; :func:`parse` reads back an equal one.
+
+    Parameters
+    ----------
+    artifact : Artifact
+    written : Mapping[str, str]
+        YAML of keys of which it is known already.
+    """
+    data = {"schema": f"{artifact.SCHEMA}/{artifact.VERSION}", **artifact.model_dump(exclude=set(written))}
+    parts: list[str] = []
+    for _, keys in groupby(("schema", *type(artifact).model_fields), written.__contains__):
+        names = list(keys)
+        parts += [written[key] for key in names] if names[0] in written else [dump({key: data[key] for key in names})]
+    return "".join(parts)
 
 
 def schema_name(document: YamlDocument) -> str | None:
@@ -101,12 +115,13 @@ def _version(model: type[Artifact], document: YamlDocument) -> int:
     wanted = f"{model.SCHEMA}/{model.VERSION}"
     if "schema" not in document.data:
         raise InputError(f"{document.where(())}: schema: required key is missing, it must be {wanted}")
-    header, place = document.data["schema"], document.where(("schema",))
+    header = document.data["schema"]
     match = _HEADER.fullmatch(header) if isinstance(header, str) else None
     if match is None or match[1] != model.SCHEMA:
-        raise InputError(f"{place}: schema: must be {wanted}, got {describe(header)}")
+        raise InputError(f"{document.where(('schema',))}: schema: must be {wanted}, got {describe(header)}")
     version = int(match[2])
     if version > model.VERSION:
+        place = document.where(("schema",))
         raise NewerSchemaError(f"{place}: schema: {header} was written by a newer slidepipe, this one reads {wanted}")
     return version
 

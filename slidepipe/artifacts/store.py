@@ -156,7 +156,8 @@ class Store:
         page = self.find(Query(begins=reference))
         found = [one.directory for one in (*page.entries, *page.damaged) if _may_be(one.run, reference)]
         if not found or not reference:
-            raise NotFoundError(f"run {reference}: there is none in {self.root}")
+            hint = "; it is a file: slidepipe plan makes a run of an experiment file" if path.is_file() else ""
+            raise NotFoundError(f"run {reference}: there is none in {self.root}{hint}")
         if len(found) > 1:
             raise NotFoundError(f"run {reference}: may be {one_of(sorted(path.name for path in found))}")
         return _read(found[0])

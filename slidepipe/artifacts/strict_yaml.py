@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -132,8 +133,7 @@ def parse_text(text: str, name: str) -> object:
         return loader.document()
     except yaml.MarkedYAMLError as error:
         place = _line_column(error.problem_mark or error.context_mark)
-        what = " ".join(part for part in (error.context, error.problem) if part)
-        raise InputError(f"{name}:{place}: {what}") from None
+        raise InputError(f"{name}:{place}: {_problem(error, text)}") from None
     finally:
         loader.dispose()
 
@@ -167,9 +167,7 @@ class _Dumper(yaml.CSafeDumper):
 
     def words(self, data: str) -> yaml.ScalarNode:
         text = str(data)
-        resolve: Any = _YAML_1_1.resolve
-        plain_elsewhere = resolve(yaml.ScalarNode, text, (True, False)) == STR
-        return self.represent_scalar(STR, text, style=None if plain_elsewhere else "'")
+        return self.represent_scalar(STR, text, style=None if _plain_elsewhere(text) else "'")
 
     def items(self, data: Sequence[object]) -> yaml.SequenceNode:
         short = len(data) <= 8 and all(isinstance(item, int | float) for item in data)
@@ -177,6 +175,15 @@ class _Dumper(yaml.CSafeDumper):
 
 
 _YAML_1_1 = yaml.resolver.Resolver()
+
+
+@lru_cache(maxsize=4096)
+def _plain_elsewhere(text: str) -> bool:
+    """Whether a reader of YAML 1.1 takes this for text without quotes; keys come again and again."""
+    resolve: Any = _YAML_1_1.resolve
+    return bool(resolve(yaml.ScalarNode, text, (True, False)) == STR)
+
+
 use_core_schema(_Dumper)
 _Dumper.add_representer(str, _Dumper.words)
 _Dumper.add_representer(list, _Dumper.items)
@@ -194,6 +201,14 @@ def _child(node: yaml.Node | None, key: str | int) -> tuple[Any, yaml.Node] | No
     if isinstance(node, yaml.SequenceNode) and isinstance(key, int) and key < len(node.value):
         return node.value[key].start_mark, node.value[key]
     return None
+
+
+def _problem(error: yaml.MarkedYAMLError, text: str) -> str:
+    mark = error.problem_mark
+    line = text.splitlines()[mark.line : mark.line + 1] if mark else []
+    if mark and "cannot start any token" in (error.problem or "") and line and line[0][mark.column :][:1] == "\t":
+        return "a tab cannot indent YAML: use spaces"
+    return " ".join(part for part in (error.context, error.problem) if part)
 
 
 def _line_column(mark: Any) -> str:

@@ -144,6 +144,8 @@ class Slide:
 class Profile:
     """The finger's motion of Section III-C, from rest to rest at the same place, for one intended slide.
 
+    Its times solve eqs. (1) to (3): the finger turns round by symmetry, ends as fast as the object, and slid d_goal.
+
     Attributes
     ----------
     accelerations : Accelerations

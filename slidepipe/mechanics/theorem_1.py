@@ -1,7 +1,7 @@
 """Theorem 1, Section III-D: how wrong the friction may be so that repeating the slide still ends at the goal.
 
 Every duration of eq. (4) grows with the square root of d_goal and the accelerations stay, so the actual slide is the
-same multiple of the intended one in every trial: what remains shrinks by the same factor k_i each time.
+same multiple of the intended one in every trial: what remains, eq. (7), shrinks by the same factor k_i each time.
 The paper's ``mu_0 f_N`` is ``a_o`` here, and ``epsilon`` is ``eps``.
 """
 
@@ -117,9 +117,10 @@ class Theorem1:
     sticks : Condition
         1: ``a < a_o (1 - eps)``, it sticks in T1 and T4.
     slides : Condition
-        2: ``a_f > a_o (1 + eps)``, it slides in T2.
+        2: ``a_f > a_o (1 + eps)``, it slides in T2; then eq. (8) holds, ``|d_2| < |d_goal|``.
     stops : Condition
-        3: ``a_f > a_o (a (1 + eps) + (1 - eps) a_o) / (a + (1 - 2 eps) a_o)``, it slides less than twice as far.
+        3: ``a_f > a_o (a (1 + eps) + (1 - eps) a_o) / (a + (1 - 2 eps) a_o)``, it slides less than twice as far,
+        eq. (9).
     can_stop : Condition
         4, unsaid: ``a + (1 - 2 eps) a_o > 0``. Else no a_f is large enough, though the third holds as printed.
     """

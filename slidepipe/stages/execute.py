@@ -108,7 +108,7 @@ def run(request: ExecuteRequest) -> ExecuteResult:
         experiment=experiment.name,
         parameters=experiment.model_dump(mode="json")
         | ({REPETITION: request.repetition} if request.repetition else {}),
-        inputs=tuple(plan_run.input(role) for role in (PLAN, REFERENCE, EXPERIMENT)),
+        inputs=tuple(plan_run.whole_input(role) for role in (PLAN, REFERENCE, EXPERIMENT)),
         seed=experiment.lab.seed if request.lab is None else None,
         command=request.command,
     )

@@ -110,9 +110,9 @@ def run(request: IterateRequest) -> IterateResult:
 
 def _draft(request: IterateRequest, past: tuple[PastTrial, ...], experiment: Experiment, way: Way) -> Draft:
     """Everything that the next plan depends on: the recordings too where the arm is learned from them."""
-    inputs = [past[-1].estimate_run.input(ESTIMATE), past[-1].plan_run.input(PLAN)]
-    inputs += [past[-1].plan_run.input(EXPERIMENT)]
-    inputs += [one.estimate_run.input(ESTIMATE) for one in past[:-1]]
+    inputs = [past[-1].estimate_run.whole_input(ESTIMATE), past[-1].plan_run.whole_input(PLAN)]
+    inputs += [past[-1].plan_run.whole_input(EXPERIMENT)]
+    inputs += [one.estimate_run.whole_input(ESTIMATE) for one in past[:-1]]
     if way == "learned":
         inputs += [one.trial_run.input(RECORDING) for one in past]
     return request.store.draft(
