@@ -6,10 +6,12 @@ import numpy as np
 
 from slidepipe.estimation.friction_fits import NORMAL_95, WIDER, Fits, make_fits, refusal, too_vague
 from slidepipe.estimation.joint_fit import JointFit
+from slidepipe.estimation.placement import placement_leverage
 from slidepipe.estimation.profile import Told
 from slidepipe.estimation.request import EstimationRequest
 from slidepipe.estimation.slide import Slide, sliding_speed
 from slidepipe.estimation.smoothing import SmoothedSeries
+from slidepipe.estimation.stage_kernel import PHYSICS
 from slidepipe.estimation.weak_form import SlideWindow, WeakFit, weak_fit
 from slidepipe.series import BoolArray, FloatArray
 
@@ -128,10 +130,11 @@ def fit_friction(request: EstimationRequest, slide: Slide, window: SlideWindow) 
         )
     weak = weak_fit(window, request.block, request.rho_m)
     fits = make_fits(request, slide, window, _start(request, weak))
-    reason = refusal(fits.told) or too_vague(fits.kappa_relative_sd)
+    placed = _placed(request, fits, window)
+    reason = refusal(fits.told) or too_vague(float(np.hypot(fits.kappa_relative_sd, placed.kappa)))
     if reason is not None:
         return FrictionFinding(None, reason)
-    return FrictionFinding(_report(request, weak, fits), None)
+    return FrictionFinding(_report(request, weak, fits, placed), None)
 
 
 def sliding_window(time_s: FloatArray, relative: SmoothedSeries, slide: Slide, rho_m: float) -> BoolArray:
@@ -160,10 +163,26 @@ def _start(request: EstimationRequest, weak: WeakFit) -> float:
     return weak.kappa if sane else believed
 
 
-def _report(request: EstimationRequest, weak: WeakFit, fits: Fits) -> FrictionEstimate:
+@dataclass(frozen=True, slots=True)
+class _Placed:
+    """Relative standard deviations that come of where the finger is on the hand."""
+
+    kappa: float
+    rho: float
+
+
+def _placed(request: EstimationRequest, fits: Fits, window: SlideWindow) -> _Placed:
+    if request.hand_place_sd is None:
+        return _Placed(0.0, 0.0)
+    moved = placement_leverage(fits.told, window)[-PHYSICS:] * request.hand_place_sd
+    kappa, rho = np.linalg.norm(moved[:2], axis=1)
+    return _Placed(float(kappa), float(rho))
+
+
+def _report(request: EstimationRequest, weak: WeakFit, fits: Fits, placed: _Placed) -> FrictionEstimate:
     joint = fits.told
-    rho_sd = WIDER * joint.rho_log_sd * max(1.0, joint.chi_square) ** 0.5
-    kappa, sd = fits.kappa, fits.kappa_relative_sd
+    rho_sd = float(np.hypot(WIDER * joint.rho_log_sd * max(1.0, joint.chi_square) ** 0.5, placed.rho))
+    kappa, sd = fits.kappa, float(np.hypot(fits.kappa_relative_sd, placed.kappa))
     low, high = kappa * np.exp(-NORMAL_95 * sd), kappa * np.exp(NORMAL_95 * sd)
     per_kappa = request.block.m / request.normal_force_n
     return FrictionEstimate(

@@ -20,7 +20,8 @@ def estimate_document(found: RecordedEstimate, trial: str, calibration: str | No
     """Document of an estimate of the run ``trial``, with the calibration run that placed cameras and markers."""
     told = found.estimate
     placed = (
-        f"cameras and markers are where calibration {calibration} found them; its uncertainty is in no interval here"
+        f"cameras and markers are where calibration {calibration} found them; how well it tells the finger's place on "
+        "the hand is in the intervals of friction, and in no pose's deviation"
     )
     slide = None
     if told.slide is not None:

@@ -18,7 +18,7 @@ from slidepipe.estimation.estimate import Estimate, estimate
 from slidepipe.estimation.laws import Laws
 from slidepipe.estimation.request import EstimationRequest
 from slidepipe.lab.loop import MOTION_ENDS, MOTION_STARTS
-from slidepipe.series import JointSeries
+from slidepipe.series import FloatArray, JointSeries
 from slidepipe.stages.sound import around_motion, refuse_unsound
 from slidepipe.stages.translate import block, motion_plane, tool, vector
 from slidepipe.stages.trial_facts import IMPORTED
@@ -62,6 +62,7 @@ def estimate_recording(
         motion_stop_ns=stop_ns,
         joint_hand=None if joints is None else hand_poses(nominal_model(tool(experiment)), joints),
         start_relative_pose=vector(plan.start_relative_pose),
+        hand_place_sd=None if calibration is None else _place_sd(calibration),
         laws=_laws(experiment),
     )
     return RecordedEstimate(estimate(request), experiment, plan, start_ns)
@@ -83,6 +84,12 @@ def _stamp(recording: Recording, message: str) -> int:
         if event.message == message:
             return event.stamp_ns
     raise InputError(f"{recording.path}: does not say when the {message}: the trial was not run to its end")
+
+
+def _place_sd(calibration: Calibration) -> FloatArray:
+    """How well it is known where {f} is on the hand: along its x and y, and about the motion plane's normal, its z."""
+    markers = calibration.hand_markers
+    return np.array([*markers.position_std_m[:2], markers.rotation_std_rad[2]])
 
 
 def _laws(experiment: Experiment) -> Laws:
