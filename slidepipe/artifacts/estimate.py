@@ -96,7 +96,11 @@ class FrictionEstimate(Record):
     """Friction from the slide: mu f_N / m is measured, c a where the slide turned; mu alone rests on what is assumed.
 
     ``mu`` and its interval take force and mass as exact, as a plan does that assumes the same; ``mu_budget`` does not.
+    What the experiment leaves open and the trial tells: ``growth_s_m`` of friction with sliding speed, ``static_share``
+    (mu_s / mu_k), ``inverse_exponent`` of the pressure (0 even, 0.5 Hertz, 1 a cone). What it does not tell is null.
     """
+
+    LATER: ClassVar[frozenset[str]] = frozenset({"growth_s_m", "static_share", "inverse_exponent"})
 
     kappa_m_s2: Measured
     rho_m: Measured | None
@@ -104,6 +108,9 @@ class FrictionEstimate(Record):
     assumed: Assumed
     mu_budget: Budget | None
     fit: Fit | None
+    growth_s_m: Measured | None = None
+    static_share: Measured | None = None
+    inverse_exponent: Measured | None = None
 
 
 class EstimateDocument(Artifact):

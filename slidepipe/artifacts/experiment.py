@@ -8,6 +8,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from slidepipe.artifacts.arm_setup import ArmSetup
+from slidepipe.artifacts.estimation_setup import EstimationSetup
 from slidepipe.artifacts.faults import Fault, MissingKey
 from slidepipe.artifacts.iteration_setup import Iteration, upcast_iteration
 from slidepipe.artifacts.lab_setup import LabSetup
@@ -165,6 +166,7 @@ class Experiment(Artifact):
 
     SCHEMA: ClassVar[str] = "slidepipe.experiment"
     VERSION: ClassVar[int] = 2
+    LATER: ClassVar[frozenset[str]] = frozenset({"estimation"})
 
     name: Slug
     object: ObjectBlock
@@ -177,6 +179,7 @@ class Experiment(Artifact):
     arm: ArmSetup
     iteration: Iteration
     lab: LabSetup
+    estimation: EstimationSetup = EstimationSetup()
 
     @property
     def kappa_m_s2(self) -> float:

@@ -35,6 +35,8 @@ class PooledValue(Record):
 class PooledTrial(Record):
     """One trial: what was planned, where it ended (``error`` is final minus goal), and whether it stands out."""
 
+    LATER: ClassVar[frozenset[str]] = frozenset({"rho_m", "rho_surprise_p", "rho_outlying"})
+
     trial: RunId
     estimate: RunId | None
     start_relative_pose: Pose
@@ -47,6 +49,9 @@ class PooledTrial(Record):
     kappa_surprise_p: Chance | None
     kappa_outlying: bool
     left_out_because: tuple[str, ...]
+    rho_m: Measured | None = None
+    rho_surprise_p: Chance | None = None
+    rho_outlying: bool = False
 
 
 class Repeatability(Record):
@@ -58,9 +63,10 @@ class Repeatability(Record):
 
 
 class PooledDocument(Artifact):
-    """What is written as ``pooled.yaml``."""
+    """What is written as ``pooled.yaml``; ``rho_m`` is null where no trial turned enough to tell it."""
 
     SCHEMA: ClassVar[str] = "slidepipe.pooled"
+    LATER: ClassVar[frozenset[str]] = frozenset({"rho_m"})
 
     experiment: Slug
     trials: tuple[PooledTrial, ...]
@@ -71,6 +77,7 @@ class PooledDocument(Artifact):
     repeatability: Repeatability | None
     notes: tuple[str, ...]
     picture: str | None
+    rho_m: PooledValue | None = None
 
     def faults(self) -> Iterator[Fault]:
         """Friction coefficient without what it follows from."""

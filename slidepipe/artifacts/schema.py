@@ -10,7 +10,7 @@ from itertools import groupby
 from types import MappingProxyType
 from typing import Any, ClassVar, TypeVar
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, SerializerFunctionWrapHandler, ValidationError, model_serializer
 
 from slidepipe.artifacts.faults import Fault, faults_of, key_text
 from slidepipe.artifacts.strict_yaml import YamlDocument, dump
@@ -29,9 +29,23 @@ class Record(BaseModel):
     """Base of everything that stands in an artifact: immutable, exact about types, unknown keys refused.
 
     A whole number may stand where a number is asked for; infinities and NaN may not.
+
+    Attributes
+    ----------
+    LATER : frozenset of str
+        Keys that joined after a version was released: written only where they are not what was meant without them.
     """
 
+    LATER: ClassVar[frozenset[str]] = frozenset()
+
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid", allow_inf_nan=False)
+
+    @model_serializer(mode="wrap")
+    def _without_unsaid(self, handler: SerializerFunctionWrapHandler) -> dict[str, object]:
+        written: dict[str, object] = handler(self)
+        fields = type(self).model_fields
+        unsaid = {name for name in self.LATER if getattr(self, name) == fields[name].default}
+        return {name: value for name, value in written.items() if name not in unsaid}
 
 
 class Artifact(Record):

@@ -26,6 +26,7 @@ from slidepipe.cli.session import Report, Session, note_reuse, plain
 @click.argument("trial_run", metavar="TRIAL...", nargs=-1, required=True)
 @click.option("--figure", is_flag=True, help="Draw the poses, the slide, the residuals and the posterior, too.")
 @click.option("--calibration", metavar="RUN", help="Take cameras and markers to be where this calibration found them.")
+@options.overrides("estimation.sticking=apart")
 @options.force
 @options.as_json
 @click.pass_context

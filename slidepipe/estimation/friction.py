@@ -4,10 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slidepipe.estimation.joint_fit import JointFit, JointStart, joint_fit
+from slidepipe.estimation.friction_fits import NORMAL_95, WIDER, Fits, make_fits, refusal, too_vague
+from slidepipe.estimation.joint_fit import JointFit
+from slidepipe.estimation.placement import placement_leverage
+from slidepipe.estimation.profile import Told
 from slidepipe.estimation.request import EstimationRequest
 from slidepipe.estimation.slide import Slide, sliding_speed
 from slidepipe.estimation.smoothing import SmoothedSeries
+from slidepipe.estimation.stage_kernel import PHYSICS
 from slidepipe.estimation.weak_form import SlideWindow, WeakFit, weak_fit
 from slidepipe.series import BoolArray, FloatArray
 
@@ -15,19 +19,11 @@ WINDOW_SHARE = 0.2
 FEWEST_FRAMES = 12
 SEEN_SHARE = 0.5
 LONGEST_WINDOW_S = 0.25
-AROUND_S = 0.06
-LONGEST_FIT_S = 0.6
-WORST_CHI_SQUARE = 2.0
-MOST_OUTLIERS = 0.1
-LARGEST_SD = 0.10
 START_RANGE = 2.0
+GROWTH_TOLD = 0.5
+"""Share of what was thought possible of the growth at which its standard deviation tells something."""
 RHO_TOLD = 0.03
 """Largest standard deviation, over its value, at which rho counts as measured."""
-AT_ODDS = 3.5
-"""Standard deviations by which the slide alone may differ from the whole, before it is believed alone."""
-NORMAL_95 = 1.959964
-WIDER = 1.15
-"""What the curvature of the likelihood understates the spread of linear slides by; from synthetic trials."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,8 +56,13 @@ class FrictionEstimate:
         Its standard deviation over its value; near the assumed one the slide said nothing of it.
     rho_told : bool
         Whether the slide turned enough to tell it.
-    growth_s_m, growth_sd_s_m : float
-        Growth of friction with sliding speed, s/m; zero where it was taken as constant.
+    growth : Told or None
+        Growth of friction with sliding speed, s/m. None where it was taken as constant.
+    static_share : Told or None
+        mu_s / mu_k; None where it was taken as one.
+    inverse_exponent : Told or None
+        1/k of the pressure's exponent k: 0 is even pressure, 0.5 Hertz's, 1 a cone. None where the limit surface was
+        taken as an ellipsoid.
     bias : float
         What the noise alone had added to the logarithm of kappa; it was taken off.
     per_growth, per_gravity : float
@@ -88,8 +89,9 @@ class FrictionEstimate:
     rho_m: float
     rho_relative_sd: float
     rho_told: bool
-    growth_s_m: float
-    growth_sd_s_m: float
+    growth: Told | None
+    static_share: Told | None
+    inverse_exponent: Told | None
     bias: float
     per_growth: float
     per_gravity: float
@@ -127,55 +129,12 @@ def fit_friction(request: EstimationRequest, slide: Slide, window: SlideWindow) 
             f"at least {FEWEST_FRAMES} and half of them are needed",
         )
     weak = weak_fit(window, request.block, request.rho_m)
-    fits = _fits(request, slide, window, _start(request, weak))
-    reason = _refusal(fits.told)
+    fits = make_fits(request, slide, window, _start(request, weak))
+    placed = _placed(request, fits, window)
+    reason = refusal(fits.told) or too_vague(float(np.hypot(fits.kappa_relative_sd, placed.kappa)))
     if reason is not None:
         return FrictionFinding(None, reason)
-    return FrictionFinding(_report(request, weak, fits), None)
-
-
-@dataclass(frozen=True, slots=True)
-class _Fits:
-    """The fit that is told, from when to when, and whether the sticking entered it."""
-
-    told: JointFit
-    opens_s: float
-    closes_s: float
-    sticks_alike: bool
-
-
-def _fits(request: EstimationRequest, slide: Slide, window: SlideWindow, kappa: float) -> _Fits:
-    """Fit the slide with the sticking around it, and from its first sure frame on without; the latter is the check.
-
-    A block that begins to slide otherwise than it slides on, with more static friction say, contradicts the first.
-    """
-    rows = np.flatnonzero(window.inside)
-    top = rows[len(rows) // 2]
-    gone = np.flatnonzero(~window.usable)
-    first = float(window.time_s[gone[gone < top].max(initial=-1) + 1])
-    last = float(window.time_s[gone[gone > top].min(initial=len(window.time_s)) - 1])
-    opens, closes = max(slide.start_s - AROUND_S, first), min(slide.stop_s + AROUND_S, last)
-    closes = min(closes, opens + LONGEST_FIT_S)
-    before = window.relative_smooth.pose[(window.time_s >= opens) & (window.time_s < slide.start_s - AROUND_S / 4.0)]
-    grip = before.mean(axis=0) if len(before) else window.relative_smooth.pose[rows[0]]
-    body = window.object_smooth
-    state = np.concatenate([body.pose[rows[0]], body.velocity[rows[0]]])
-    slides = float(window.time_s[rows[0]])
-    start = JointStart(kappa, request.rho_m, slides, closes, grip, state)
-    alone = joint_fit(window, request.block, start, request.laws)
-    if _refusal(alone) is None:
-        kappa = alone.kappa
-    start = JointStart(kappa, request.rho_m, opens, closes, grip)
-    whole = joint_fit(window, request.block, start, request.laws)
-    if _refusal(alone) is not None or (_refusal(whole) is None and _agree(whole, alone)):
-        return _Fits(whole, opens, closes, sticks_alike=True)
-    return _Fits(alone, slides, closes, sticks_alike=False)
-
-
-def _agree(whole: JointFit, alone: JointFit) -> bool:
-    """Whether two fits, one from a part of the other's poses, tell the same kappa."""
-    apart = abs(np.log(whole.kappa / alone.kappa))
-    return bool(apart <= AT_ODDS * np.sqrt(max(_relative_sd(alone) ** 2 - _relative_sd(whole) ** 2, 1e-6)))
+    return FrictionFinding(_report(request, weak, fits, placed), None)
 
 
 def sliding_window(time_s: FloatArray, relative: SmoothedSeries, slide: Slide, rho_m: float) -> BoolArray:
@@ -204,50 +163,40 @@ def _start(request: EstimationRequest, weak: WeakFit) -> float:
     return weak.kappa if sane else believed
 
 
-def _refusal(joint: JointFit) -> str | None:
-    sd = _relative_sd(joint)
-    if not joint.converged:
-        return "friction refused: the joint fit did not converge"
-    if not joint.outlier_share <= MOST_OUTLIERS:
-        return (
-            f"friction refused: {100.0 * joint.outlier_share:.0f} % of the poses do not fit a sliding block, "
-            f"at most {100.0 * MOST_OUTLIERS:g} % are accepted"
-        )
-    if not joint.chi_square <= WORST_CHI_SQUARE:
-        return (
-            f"friction refused: the poses do not fit a sliding block, chi-square {joint.chi_square:.2f} per degree of "
-            f"freedom, at most {WORST_CHI_SQUARE:g} is accepted"
-        )
-    if not sd <= LARGEST_SD:
-        told = f"to {100.0 * sd:.0f} % only" if sd < 1.0 else "not even to 100 %"
-        return (
-            f"friction refused: the slide tells kappa {told} (standard deviation), "
-            f"at most {100.0 * LARGEST_SD:.0f} % is accepted"
-        )
-    return None
+@dataclass(frozen=True, slots=True)
+class _Placed:
+    """Relative standard deviations that come of where the finger is on the hand."""
+
+    kappa: float
+    rho: float
 
 
-def _relative_sd(joint: JointFit) -> float:
-    return float(WIDER * joint.kappa_log_sd * np.sqrt(max(1.0, joint.chi_square)))
+def _placed(request: EstimationRequest, fits: Fits, window: SlideWindow) -> _Placed:
+    if request.hand_place_sd is None:
+        return _Placed(0.0, 0.0)
+    moved = placement_leverage(fits.told, window)[-PHYSICS:] * request.hand_place_sd
+    kappa, rho = np.linalg.norm(moved[:2], axis=1)
+    return _Placed(float(kappa), float(rho))
 
 
-def _report(request: EstimationRequest, weak: WeakFit, fits: _Fits) -> FrictionEstimate:
+def _report(request: EstimationRequest, weak: WeakFit, fits: Fits, placed: _Placed) -> FrictionEstimate:
     joint = fits.told
-    rho_sd = WIDER * joint.rho_log_sd * max(1.0, joint.chi_square) ** 0.5
-    sd = _relative_sd(joint)
-    low, high = joint.kappa * np.exp(-NORMAL_95 * sd), joint.kappa * np.exp(NORMAL_95 * sd)
+    rho_sd = float(np.hypot(WIDER * joint.rho_log_sd * max(1.0, joint.chi_square) ** 0.5, placed.rho))
+    kappa, sd = fits.kappa, float(np.hypot(fits.kappa_relative_sd, placed.kappa))
+    low, high = kappa * np.exp(-NORMAL_95 * sd), kappa * np.exp(NORMAL_95 * sd)
     per_kappa = request.block.m / request.normal_force_n
     return FrictionEstimate(
-        kappa_m_s2=joint.kappa,
+        kappa_m_s2=kappa,
         kappa_interval_m_s2=Interval(float(low), float(high)),
         kappa_relative_sd=sd,
-        mu=joint.kappa * per_kappa,
+        mu=kappa * per_kappa,
         mu_interval=Interval(float(low * per_kappa), float(high * per_kappa)),
         rho_m=joint.rho_m,
         rho_relative_sd=rho_sd,
         rho_told=bool(rho_sd < RHO_TOLD),
-        growth_s_m=joint.growth_s_m,
-        growth_sd_s_m=joint.growth_sd_s_m,
+        growth=_growth(request, joint),
+        static_share=fits.static_share,
+        inverse_exponent=fits.inverse_exponent,
         bias=joint.bias,
         per_growth=joint.per_growth,
         per_gravity=joint.per_gravity,
@@ -259,3 +208,11 @@ def _report(request: EstimationRequest, weak: WeakFit, fits: _Fits) -> FrictionE
         window_start_s=fits.opens_s,
         window_stop_s=fits.closes_s,
     )
+
+
+def _growth(request: EstimationRequest, joint: JointFit) -> Told | None:
+    if request.laws.growth_sd_s_m == 0.0:
+        return None
+    value, sd = joint.growth_s_m, WIDER * joint.growth_sd_s_m * max(1.0, joint.chi_square) ** 0.5
+    reach = NORMAL_95 * sd
+    return Told(value, sd, value - reach, value + reach, GROWTH_TOLD * request.laws.growth_sd_s_m)

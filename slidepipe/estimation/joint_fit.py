@@ -13,7 +13,7 @@ import numpy as np
 from slidepipe.estimation import joint_kernel as kernel
 from slidepipe.estimation.laws import Laws
 from slidepipe.estimation.linear_kernel import inverse_of
-from slidepipe.estimation.slide_kernel import PHYSICS, START
+from slidepipe.estimation.stage_kernel import PHYSICS, START
 from slidepipe.estimation.weak_form import SlideWindow
 from slidepipe.mechanics.dynamics import Block
 from slidepipe.series import FloatArray, IntArray
@@ -53,6 +53,12 @@ class JointStart:
         Finger in {b} while the block still sticks.
     object : (6,) or None
         Pose and velocity of the block as the window opens, where it slides already; else None.
+    curve : (N, 3) or None
+        Table of the limit surface, of :func:`~slidepipe.mechanics.patch_curve.patch_curve`; None is the ellipsoid.
+    held_s : float or None
+        Until when the block sticks whatever friction it takes.
+    z : (P,) or None
+        Parameters of a like fit to go on from.
     """
 
     kappa: float
@@ -61,6 +67,9 @@ class JointStart:
     closes_s: float
     r_f_b: FloatArray
     object: FloatArray | None = None
+    curve: FloatArray | None = None
+    held_s: float | None = None
+    z: FloatArray | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +103,12 @@ class JointFit:
         Begins and ends of the stretches in which the fitted block slides.
     converged : bool
         Whether the next step would change kappa by less than half of its standard deviation.
+    z, covariance : (P,), (P, P)
+        All parameters and their covariance: the hand's coefficients, the block's start, the physics.
+    first_knot_s, knot_s : float
+        Where the hand's spline begins, and its knots' interval.
+    held_s : float or None
+        Until when the block was held.
     """
 
     kappa: float
@@ -111,11 +126,20 @@ class JointFit:
     cost: float
     slides_s: FloatArray
     converged: bool
+    z: FloatArray
+    covariance: FloatArray
+    first_knot_s: float
+    knot_s: float
+    held_s: float | None
 
 
 def joint_fit(window: SlideWindow, block: Block, start: JointStart, laws: Laws) -> JointFit:
     """Fit hand, object and friction to the measured poses around a slide."""
     problem = _Problem(window, block, start, laws)
+    if start.z is not None:
+        again = _fit(problem, start.z.copy())
+        if problem.fits(again):
+            return _report(problem, again)
     best = _search(problem, 1.0)
     for share in OTHER_SHARES:
         if problem.fits(best):
@@ -148,12 +172,16 @@ def _search(problem: "_Problem", share: float) -> _Found:
     """Search from a share of the first kappa: with too much friction nothing slides, and then nothing leads back."""
     z = problem.first()
     z[-PHYSICS] += np.log(share)
-    *data, mean, information = problem.arguments
-    near, held = mean.copy(), information.copy()
+    near, held = problem.mean.copy(), problem.information.copy()
     near[-PHYSICS] = z[-PHYSICS]
     held[-PHYSICS] = HELD_SD**-2.0
-    kernel.fit(z, *data, near, held, GENTLE_TAIL, MOST_STEPS)
-    return _Found(z, *kernel.fit(z, *problem.arguments, TAIL, MOST_STEPS))
+    kernel.fit(z, *problem.arguments, near, held, GENTLE_TAIL, MOST_STEPS)
+    return _fit(problem, z)
+
+
+def _fit(problem: "_Problem", z: FloatArray) -> _Found:
+    """Fit from the parameters z on, which are changed."""
+    return _Found(z, *kernel.fit(z, *problem.arguments, problem.mean, problem.information, TAIL, MOST_STEPS))
 
 
 class _Problem:
@@ -170,28 +198,22 @@ class _Problem:
         hand = near & window.hand.valid
         kind = kernel.STICKS if start.object is None else kernel.FREE
         self.kind = np.array([kind, block.m / block.inertia])
-        self.clock = np.array([start.opens_s, self.knot_s, start.opens_s, span / steps, steps])
-        mean, information = self._priors()
-        self.arguments = (
-            self.kind,
-            self.clock,
-            window.time_s[self.object_rows],
-            window.object.pose[self.object_rows],
-            window.object_smooth.noise,
-            window.time_s[hand],
-            window.hand.pose[hand],
-            window.hand_smooth.noise,
-            LOOSER_HAND * window.hand_smooth.process_noise,
-            mean,
-            information,
-        )
+        held = 0 if start.held_s is None else max(0, round((start.held_s - start.opens_s) * steps / span))
+        self.held_s = None if start.held_s is None else start.opens_s + held * span / steps
+        self.clock = np.array([start.opens_s, self.knot_s, start.opens_s, span / steps, steps, held])
+        self.mean, self.information = self._priors()
+        rows = self.object_rows
+        self.model = (self.kind, self.clock, start.curve)
+        self.block = (window.time_s[rows], window.object.pose[rows], window.object_smooth.noise)
+        seen = (window.time_s[hand], window.hand.pose[hand], window.hand_smooth.noise)
+        self.arguments = (*self.model, self.block, seen, LOOSER_HAND * window.hand_smooth.process_noise)
 
     def first(self) -> FloatArray:
         """Parameters to start from: the smoothed hand, by what a cubic spline's coefficients nearly are."""
         hand, at = self.window.hand_smooth, self.start.opens_s + self.knot_s * (np.arange(self.count) - 1)
         nearly = hand.pose - self.knot_s**2 / 6.0 * hand.acceleration
         coefficients = [np.interp(at, self.window.time_s, nearly[:, axis]) for axis in range(3)]
-        return np.concatenate([*coefficients, self._priors()[0][3 * self.count :]])
+        return np.concatenate([*coefficients, self.mean[3 * self.count :]])
 
     def chi_square(self, found: _Found) -> float:
         """Mean squared weighted residual of what is no outlier, per degree of freedom."""
@@ -241,6 +263,11 @@ def _report(problem: _Problem, found: _Found) -> JointFit:
         cost=float(found.cost),
         slides_s=_stretches(problem, found.path),
         converged=bool(abs(found.step[kappa]) < LARGEST_LAST_STEP * sd[kappa]),
+        z=z,
+        covariance=covariance,
+        first_knot_s=problem.start.opens_s,
+        knot_s=problem.knot_s,
+        held_s=problem.held_s,
     )
 
 
@@ -257,8 +284,9 @@ def _bias(problem: _Problem, found: _Found, covariance: FloatArray) -> FloatArra
     measured = found.information - found.prior
     # By einsum and not by @: threaded linear algebra waits for cores that others use.
     scatter = np.einsum("ij,jk->ik", np.einsum("ij,jk->ik", covariance, measured), covariance)
-    data = problem.arguments
-    return np.asarray(kernel.bias_of(found.z, *data[:3], data[4], found.squares, TAIL, covariance, scatter, signs))
+    return np.asarray(
+        kernel.bias_of(found.z, *problem.model, problem.block, TAIL, found.squares, covariance, scatter, signs)
+    )
 
 
 def _stretches(problem: _Problem, path: FloatArray) -> FloatArray:

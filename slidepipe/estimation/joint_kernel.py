@@ -9,7 +9,8 @@ import numpy as np
 from numba import njit
 
 from slidepipe.estimation.linear_kernel import factor, solve
-from slidepipe.estimation.slide_kernel import FAST, PHYSICS, START, hand_of, slide, sticking_start
+from slidepipe.estimation.slide_kernel import hand_of, slide, sticking_start
+from slidepipe.estimation.stage_kernel import FAST, PHYSICS, START
 
 STICKS, FREE = 0, 1
 """How the block starts: held by the hand, or with a pose and a velocity of its own."""
@@ -23,10 +24,11 @@ SETTLED = 3e-3
 
 
 @njit(**FAST)
-def predict(z, frame, clock, times, pose, jacobian, path):
+def predict(z, frame, clock, curve, times, pose, jacobian, path):
     """Block at the sorted ``times`` for parameters z (P,).
 
-    ``frame`` is kind of start, m/I; ``clock`` is first knot, knot interval, opening time, step, number of steps.
+    ``frame`` is kind of start, m/I; ``clock`` is first knot, knot interval, opening time, step, number of steps, and in
+    how many of the first it sticks whatever friction it takes; ``curve`` the limit surface, None the ellipsoid.
     """
     count = (len(z) - START - PHYSICS) // 3
     c = z[: 3 * count].reshape(3, count)
@@ -50,28 +52,40 @@ def predict(z, frame, clock, times, pose, jacobian, path):
         y[:] = start
         for i in range(6):
             S[i, 3 * count + i] = 1.0
-    slide(c, clock[0], clock[1], y, S, clock[2], clock[3], int(clock[4]), physics, times, pose, jacobian, path)
+    steps, held = int(clock[4]), int(clock[5])
+    slide(c, clock[0], clock[1], y, S, clock[2], clock[3], steps, held, physics, curve, times, pose, jacobian, path)
 
 
 @njit(**FAST)
-def residuals(
-    z, first, knot, times, measured, pose, noise, hand_times, hand_measured, hand_noise, squares, hand_squares
-):
-    """Squared weighted distances of the block's (M,) and the hand's (K,) poses, in place."""
-    count = (len(z) - START - PHYSICS) // 3
-    c = z[: 3 * count].reshape(3, count)
-    for t in range(len(times)):
+def distances(z, clock, block, hand, pose, squares, hand_squares):
+    """Squared weighted distances of the block's (M,) and the hand's (K,) poses, in place.
+
+    ``block`` and ``hand`` are stamps, measured poses and their noise (3,).
+    """
+    _, measured, noise = block
+    for t in range(len(measured)):
         squares[t] = 0.0
         for i in range(3):
             e = (pose[t, i] - measured[t, i]) / noise[i]
             squares[t] += e * e
-    w, hand = np.empty((3, 4)), np.empty((2, 3))
+    hand_times, hand_measured, hand_noise = hand
+    count = (len(z) - START - PHYSICS) // 3
+    c = z[: 3 * count].reshape(3, count)
+    w, at = np.empty((3, 4)), np.empty((2, 3))
     for t in range(len(hand_times)):
-        hand_of(c, first, knot, hand_times[t], w, hand)
+        hand_of(c, clock[0], clock[1], hand_times[t], w, at)
         hand_squares[t] = 0.0
         for i in range(3):
-            e = (hand[0, i] - hand_measured[t, i]) / hand_noise[i]
+            e = (at[0, i] - hand_measured[t, i]) / hand_noise[i]
             hand_squares[t] += e * e
+
+
+@njit(**FAST)
+def misfit(z, frame, clock, curve, block, hand, nu, pose, jacobian, path, squares, hand_squares):
+    """Predict all poses and compare them; twice the negative log-likelihood, up to a constant."""
+    predict(z, frame, clock, curve, block[0], pose, jacobian, path)
+    distances(z, clock, block, hand, pose, squares, hand_squares)
+    return cost_of(squares, nu) + cost_of(hand_squares, nu)
 
 
 @njit(**FAST)
@@ -99,24 +113,10 @@ def prior_equations(z, knot, jerk, mean, information, H, g):
 
 
 @njit(**FAST)
-def measured_equations(
-    z,
-    first,
-    knot,
-    measured,
-    pose,
-    jacobian,
-    noise,
-    hand_times,
-    hand_measured,
-    hand_noise,
-    squares,
-    hand_squares,
-    nu,
-    H,
-    g,
-):
+def measured_equations(z, clock, block, hand, nu, pose, jacobian, squares, hand_squares, H, g):
     """Add what was measured to H and g."""
+    _, measured, noise = block
+    hand_times, hand_measured, hand_noise = hand
     count = (len(z) - START - PHYSICS) // 3
     size = len(z)
     for t in range(len(squares)):
@@ -133,14 +133,14 @@ def measured_equations(
     for p in range(size):
         for q in range(p):
             H[p, q] = H[q, p]
-    w, hand = np.empty((3, 4)), np.empty((2, 3))
+    w, at_hand = np.empty((3, 4)), np.empty((2, 3))
     c = z[: 3 * count].reshape(3, count)
     for t in range(len(hand_times)):
-        low = hand_of(c, first, knot, hand_times[t], w, hand)
+        low = hand_of(c, clock[0], clock[1], hand_times[t], w, at_hand)
         weight = (nu + 3.0) / (nu + hand_squares[t])
         for axis in range(3):
             scale = weight / (hand_noise[axis] * hand_noise[axis])
-            e = hand[0, axis] - hand_measured[t, axis]
+            e = at_hand[0, axis] - hand_measured[t, axis]
             for i in range(4):
                 at = axis * count + low + i
                 g[at] += scale * w[0, i] * e
@@ -158,49 +158,26 @@ def cost_of(squares, nu):
 
 
 @njit(**FAST)
-def fit(
-    z, frame, clock, times, measured, noise, hand_times, hand_measured, hand_noise, jerk, mean, information, nu, most
-):
+def fit(z, frame, clock, curve, block, hand, jerk, mean, information, nu, most):
     """Find the most likely parameters from z on, in place.
 
     Returns the information matrix there, of which the second is the part of the priors, the squared distances of the
     block's and the hand's poses, the block's path, the step that was left to go, twice the negative log-likelihood,
     and the number of steps.
     """
-    size, first, knot = len(z), clock[0], clock[1]
-    pose, path = np.empty((len(times), 3)), np.empty((int(clock[4]) + 1, 7))
-    jacobian, none = np.empty((len(times), 3, size)), np.empty((0, 3, size))
-    squares, hand_squares = np.empty(len(times)), np.empty(len(hand_times))
+    size, seen, knot = len(z), len(block[0]), clock[1]
+    pose, path = np.empty((seen, 3)), np.empty((int(clock[4]) + 1, 7))
+    jacobian, none = np.empty((seen, 3, size)), np.empty((0, 3, size))
+    squares, hand_squares = np.empty(seen), np.empty(len(hand[0]))
     H, g, prior, waste = np.zeros((size, size)), np.zeros(size), np.zeros((size, size)), np.zeros(size)
     L, scale, step, trial = np.zeros((size, size)), np.empty(size), np.zeros(size), np.empty(size)
     damping, taken, cost = 1e-3, 0, np.inf
     while taken < most:
         taken += 1
-        predict(z, frame, clock, times, pose, jacobian, path)
-        residuals(
-            z, first, knot, times, measured, pose, noise, hand_times, hand_measured, hand_noise, squares, hand_squares
-        )
-        H[:], g[:], prior[:], waste[:] = 0.0, 0.0, 0.0, 0.0
-        measured_equations(
-            z,
-            first,
-            knot,
-            measured,
-            pose,
-            jacobian,
-            noise,
-            hand_times,
-            hand_measured,
-            hand_noise,
-            squares,
-            hand_squares,
-            nu,
-            H,
-            g,
-        )
-        cost = (
-            cost_of(squares, nu) + cost_of(hand_squares, nu) + prior_equations(z, knot, jerk, mean, information, H, g)
-        )
+        cost = misfit(z, frame, clock, curve, block, hand, nu, pose, jacobian, path, squares, hand_squares)
+        H[:], g[:] = 0.0, 0.0
+        measured_equations(z, clock, block, hand, nu, pose, jacobian, squares, hand_squares, H, g)
+        cost += prior_equations(z, knot, jerk, mean, information, H, g)
         if not factor(H, SMALLEST, L, scale):
             break
         solve(L, scale, -g, step)
@@ -211,23 +188,8 @@ def fit(
             if factor(H, damping, L, scale):
                 solve(L, scale, -g, step)
                 trial[:] = z + step
-                predict(trial, frame, clock, times, pose, none, path)
-                residuals(
-                    trial,
-                    first,
-                    knot,
-                    times,
-                    measured,
-                    pose,
-                    noise,
-                    hand_times,
-                    hand_measured,
-                    hand_noise,
-                    squares,
-                    hand_squares,
-                )
+                new = misfit(trial, frame, clock, curve, block, hand, nu, pose, none, path, squares, hand_squares)
                 waste[:], prior[:] = 0.0, 0.0
-                new = cost_of(squares, nu) + cost_of(hand_squares, nu)
                 new += prior_equations(trial, knot, jerk, mean, information, prior, waste)
                 better = new < cost
             damping = max(0.1 * damping, SMALLEST) if better else 10.0 * damping
@@ -236,27 +198,25 @@ def fit(
         z[:] = trial
     prior[:], waste[:] = 0.0, 0.0
     prior_equations(z, knot, jerk, mean, information, prior, waste)
-    predict(z, frame, clock, times, pose, none, path)
-    residuals(
-        z, first, knot, times, measured, pose, noise, hand_times, hand_measured, hand_noise, squares, hand_squares
-    )
+    misfit(z, frame, clock, curve, block, hand, nu, pose, none, path, squares, hand_squares)
     factor(H, SMALLEST, L, scale)
     solve(L, scale, -g, step)
     return H, prior, squares, hand_squares, path, step, cost, taken
 
 
 @njit(**FAST)
-def bias_of(z, frame, clock, times, noise, squares, nu, covariance, scatter, signs):
+def bias_of(z, frame, clock, curve, block, nu, squares, covariance, scatter, signs):
     """Box's bias (P,) of the estimate: what second derivatives of the block's poses make of the noise.
 
     The trace of second derivatives times ``scatter``, the covariance of the estimate from the noise alone, is the mean
     of second differences along random combinations of its factor, by rows of ``signs`` (K, P).
     """
+    times, _, noise = block
     size, steps = len(z), int(clock[4])
     pose, ahead, behind = np.empty((len(times), 3)), np.empty((len(times), 3)), np.empty((len(times), 3))
     path, curved = np.empty((steps + 1, 7)), np.zeros((len(times), 3))
     jacobian, none = np.empty((len(times), 3, size)), np.empty((0, 3, size))
-    predict(z, frame, clock, times, pose, jacobian, path)
+    predict(z, frame, clock, curve, times, pose, jacobian, path)
     L, scale, direction = np.zeros((size, size)), np.empty(size), np.empty(size)
     factor(scatter, 1e-9, L, scale)
     for k in range(len(signs)):
@@ -265,8 +225,8 @@ def bias_of(z, frame, clock, times, noise, squares, nu, covariance, scatter, sig
             for j in range(i + 1):
                 direction[i] += L[i, j] * signs[k, j]
             direction[i] /= scale[i]
-        predict(z + direction, frame, clock, times, ahead, none, path)
-        predict(z - direction, frame, clock, times, behind, none, path)
+        predict(z + direction, frame, clock, curve, times, ahead, none, path)
+        predict(z - direction, frame, clock, curve, times, behind, none, path)
         curved += ahead + behind - 2.0 * pose
     gradient = np.zeros(size)
     for t in range(len(times)):

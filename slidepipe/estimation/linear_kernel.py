@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from slidepipe.estimation.slide_kernel import FAST
+from slidepipe.estimation.stage_kernel import FAST
 
 
 @njit(**FAST)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from slidepipe.estimation.friction import FrictionFinding
+from slidepipe.estimation.friction import FrictionEstimate, FrictionFinding
 from slidepipe.estimation.plane import PlanarBody
 from slidepipe.estimation.poses import Tracks
 from slidepipe.estimation.request import EstimationRequest
@@ -21,15 +21,30 @@ def not_told(request: EstimationRequest, friction: FrictionFinding) -> tuple[str
     said = [
         f"mu apart from f_N / m: mu is with the assumed normal force {force} and mass {mass}, and as wrong as these are"
     ]
-    if request.laws.growth_sd_s_m == 0.0:
+    if found.growth is None:
         change = 10.0 * found.per_growth
         said.append(f"whether friction grows with speed: for 0.1 s/m of growth kappa would change by {change:+.1f} %")
+    said.extend(_left_open(found))
     said.append(
         "the torsion constant and the contact radius: only their product is told"
         if found.rho_told
         else f"the slide hardly turned: it tells nothing of the torsion, rho is the assumed {request.rho_m:g} m"
     )
     return tuple(said)
+
+
+def _left_open(found: FrictionEstimate) -> list[str]:
+    """Say of what was asked for that it could not be told."""
+    asked = (
+        (found.growth, "the growth of friction with speed", "{:+.2f} ± {:.2f} s/m"),
+        (found.static_share, "mu_s / mu_k", "{:.2f} ± {:.2f}"),
+        (found.inverse_exponent, "the pressure exponent", "1/k = {:.2f} ± {:.2f}, of 0 to 1"),
+    )
+    return [
+        f"{name} could not be told: {form.format(one.value, one.sd)}"
+        for one, name, form in asked
+        if one is not None and not one.told
+    ]
 
 
 def notes(

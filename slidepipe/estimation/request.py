@@ -40,6 +40,8 @@ class EstimationRequest:
         {f} in the base frame by the measured joints, on the host's clock; it tells the offset between both clocks.
     start_relative_pose : (3,) or None
         r_f_b that was planned for the start; an object that is far from it is another body.
+    hand_place_sd : (3,) or None
+        Standard deviations of where {f} is on the hand, along its x and y, m, and in angle, rad; None is exact.
     laws : Laws
         Which laws of friction and gravity the fit assumes, and how surely.
     """
@@ -57,6 +59,7 @@ class EstimationRequest:
     motion_stop_ns: int
     joint_hand: PoseSeries | None = None
     start_relative_pose: FloatArray | None = None
+    hand_place_sd: FloatArray | None = None
     laws: Laws = field(default_factory=Laws)
 
     def __post_init__(self) -> None:

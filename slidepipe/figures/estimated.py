@@ -170,8 +170,8 @@ def _draw_posterior(axes: Any, picture: EstimatePicture) -> None:
         axes.axvline(told.believed, **style.WANTED)
     ends, share = told.interval_95, 100.0 * (told.value / told.believed - 1.0)
     axes.set_title(
-        f"$κ = μ f_N / m$: {told.value:.4g} ± {told.std:.2g} m/s²\n95 % interval [{ends[0]:.4g}, {ends[1]:.4g}]\n"
-        f"{share:+.1f} % from the believed {told.believed:.4g}"
+        f"$κ = μ f_N / m$: {told.value:.4g} ± {told.std:.2g} m/s²\n95 % interval [{ends[0]:#.4g}, {ends[1]:#.4g}]\n"
+        f"{share:+.2f} % from the believed {told.believed:.4g}"
     )
     axes.set(xlabel="$κ$ (m/s²)", ylabel="posterior density", ylim=(0.0, None))
     axes.set_yticks([])

@@ -16,8 +16,8 @@ from slidepipe.estimation import calibration as estimation
 from slidepipe.estimation.calibration import Calibration, CalibrationRequest
 from slidepipe.series import FloatArray, PoseSeries
 from slidepipe.stages.calibration_files import CALIBRATION
-from slidepipe.stages.estimate import purpose_of, trial_source
 from slidepipe.stages.translate import motion_plane, tool
+from slidepipe.stages.trial_source import purpose_of, trial_source
 
 STAGE, STAGE_VERSION = "calibrate", 1
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from slidepipe.artifacts.draft import Draft
-from slidepipe.artifacts.estimate import Assumed, Derived, EstimateDocument
+from slidepipe.artifacts.estimate import Assumed, Derived, EstimateDocument, Measured
 from slidepipe.artifacts.experiment import Experiment
 from slidepipe.artifacts.manifest import InputRef
 from slidepipe.artifacts.plan import PlanDocument
@@ -15,15 +15,17 @@ from slidepipe.artifacts.run import Run
 from slidepipe.artifacts.schema import dump_model, parse
 from slidepipe.artifacts.store import Store
 from slidepipe.artifacts.strict_yaml import load
-from slidepipe.artifacts.values import Pose, UncertainPose
+from slidepipe.artifacts.values import Pose
 from slidepipe.errors import EstimationError, InputError
 from slidepipe.estimation.pooled import BETWEEN_SCALE, Pooled, pool, standing_out
-from slidepipe.figures.repeatability import RepeatabilityPicture, draw_repeatability
+from slidepipe.figures.repeatability import draw_repeatability
 from slidepipe.series import FloatArray
 from slidepipe.stages import estimate
+from slidepipe.stages.pool_picture import pool_picture
 from slidepipe.stages.translate import vector
+from slidepipe.stages.trial_source import TrialSource, purpose_of, trial_source
 
-STAGE, STAGE_VERSION = "pool", 1
+STAGE, STAGE_VERSION = "pool", 2
 POOLED, PICTURE = "pooled", "repeatability"
 """Roles of its files."""
 PICTURE_FILE = "repeatability.png"
@@ -33,7 +35,7 @@ PICTURE_FILE = "repeatability.png"
 class PoolRequest:
     """Which trials to pool, each a run or a recording.
 
-    ``force`` estimates and pools them again, ``figure`` draws each trial's estimate, ``calibration`` is that of all.
+    ``force`` estimates and pools them again, ``figure`` draws each estimate; the rest is for all of them.
     """
 
     trials: tuple[str, ...]
@@ -41,6 +43,7 @@ class PoolRequest:
     force: bool = False
     figure: bool = False
     calibration: str | None = None
+    overrides: tuple[str, ...] = ()
     command: tuple[str, ...] = ()
 
 
@@ -66,7 +69,7 @@ def run(request: PoolRequest) -> PoolResult:
     EstimationError
         No trial tells anything.
     """
-    recorded = [_recorded(source) for source in _distinct(request)]
+    recorded = [_recorded(source, request.overrides) for source in _distinct(request)]
     experiment = _one_experiment(recorded)
     trials = [_estimated(one, request) for one in recorded]
     draft = request.store.draft(
@@ -93,7 +96,7 @@ def run(request: PoolRequest) -> PoolResult:
 class _Trial:
     """A trial, what it was recorded for, and its estimate or why there is none."""
 
-    source: estimate.TrialSource
+    source: TrialSource
     experiment: Experiment
     plan: PlanDocument
     result: estimate.EstimateResult | None
@@ -102,6 +105,14 @@ class _Trial:
     @property
     def told(self) -> EstimateDocument | None:
         return None if self.result is None else self.result.document
+
+    @property
+    def kappa(self) -> Measured | None:
+        return self.told.friction.kappa_m_s2 if self.told and self.told.friction else None
+
+    @property
+    def rho(self) -> Measured | None:
+        return self.told.friction.rho_m if self.told and self.told.friction else None
 
     @property
     def error(self) -> FloatArray | None:
@@ -113,16 +124,16 @@ class _Trial:
         return np.asarray(away)
 
 
-def _distinct(request: PoolRequest) -> list[estimate.TrialSource]:
-    sources = [estimate.trial_source(trial, request.store) for trial in request.trials]
+def _distinct(request: PoolRequest) -> list[TrialSource]:
+    sources = [trial_source(trial, request.store) for trial in request.trials]
     for index, source in enumerate(sources):
         if source.input.sha256 in {other.input.sha256 for other in sources[:index]}:
             raise InputError(f"{request.trials[index]}: trial {source.trial} is named twice, each counts once")
     return sources
 
 
-def _recorded(source: estimate.TrialSource) -> _Trial:
-    purpose = estimate.purpose_of(read_recording(source.path))
+def _recorded(source: TrialSource, overrides: tuple[str, ...]) -> _Trial:
+    purpose = purpose_of(read_recording(source.path), overrides)
     return _Trial(source, purpose.experiment, purpose.plan, None, None)
 
 
@@ -147,6 +158,7 @@ def _estimated(trial: _Trial, request: PoolRequest) -> _Trial:
         force=request.force,
         figure=request.figure,
         calibration=request.calibration,
+        overrides=request.overrides,
         command=request.command,
     )
     try:
@@ -162,18 +174,17 @@ def _inputs(trials: list[_Trial]) -> tuple[InputRef, ...]:
 
 
 def _document(trials: list[_Trial], experiment: Experiment) -> PooledDocument:
-    told = [trial for trial in trials if trial.told is not None and trial.told.friction is not None]
-    kappas = [trial.told.friction.kappa_m_s2 for trial in told if trial.told and trial.told.friction]
-    pooled = pool(np.array([k.value for k in kappas]), np.array([k.std for k in kappas])) if kappas else None
-    places = {trial.source.trial: place for place, trial in enumerate(told)}
+    kappa = _together({trial.source.trial: trial.kappa for trial in trials})
+    rho = _together({trial.source.trial: trial.rho for trial in trials})
+    pooled, count = kappa.pooled, len(kappa.trials)
     ended = [trial for trial in trials if trial.error is not None]
     errors = np.array([trial.error for trial in ended]).reshape(-1, 3)
     astray = {trial.source.trial for trial, out in zip(ended, standing_out(errors), strict=True) if out}
     per_kappa = experiment.object.mass_kg / experiment.grasp.normal_force_n
     return PooledDocument(
         experiment=experiment.name,
-        trials=tuple(_row(trial, pooled, places, astray) for trial in trials),
-        kappa_m_s2=None if pooled is None else _value(pooled, len(kappas)),
+        trials=tuple(_row(trial, kappa, rho, astray) for trial in trials),
+        kappa_m_s2=None if pooled is None else _value(pooled, count),
         mu=None
         if pooled is None
         else Derived(
@@ -187,27 +198,52 @@ def _document(trials: list[_Trial], experiment: Experiment) -> PooledDocument:
         ),
         between_scale=BETWEEN_SCALE,
         repeatability=_repeatability(errors),
-        notes=_notes(trials, len(kappas)),
+        notes=_notes(trials, count),
         picture=PICTURE_FILE if len(errors) else None,
+        rho_m=None if rho.pooled is None else _value(rho.pooled, len(rho.trials)),
     )
 
 
-def _row(trial: _Trial, pooled: Pooled | None, places: dict[str, int], astray: set[str]) -> PooledTrial:
-    told, place = trial.told, places.get(trial.source.trial)
-    at = None if pooled is None or place is None else place
+@dataclass(frozen=True, slots=True)
+class _Together:
+    """One quantity of the trials that tell it, pooled; None where none does."""
+
+    trials: tuple[str, ...]
+    pooled: Pooled | None
+
+    def surprise_p(self, trial: str) -> float | None:
+        if self.pooled is None or trial not in self.trials:
+            return None
+        return float(self.pooled.surprise_p[self.trials.index(trial)])
+
+    def outlying(self, trial: str) -> bool:
+        return self.pooled is not None and trial in self.trials and bool(self.pooled.outlying[self.trials.index(trial)])
+
+
+def _together(measured: dict[str, Measured | None]) -> _Together:
+    told = {trial: one for trial, one in measured.items() if one is not None}
+    values, stds = (np.array([getattr(one, name) for one in told.values()]) for name in ("value", "std"))
+    return _Together(tuple(told), pool(values, stds) if told else None)
+
+
+def _row(trial: _Trial, kappa: _Together, rho: _Together, astray: set[str]) -> PooledTrial:
+    told, name = trial.told, trial.source.trial
     return PooledTrial(
-        trial=trial.source.trial,
+        trial=name,
         estimate=None if trial.result is None else trial.result.run.id,
         start_relative_pose=trial.plan.start_relative_pose,
         goal_relative_pose=trial.plan.goal_relative_pose,
         initial_relative_pose=told.initial_relative_pose if told else None,
         final_relative_pose=told.final_relative_pose if told else None,
         error=None if trial.error is None else Pose.of(trial.error),
-        error_outlying=trial.source.trial in astray,
-        kappa_m_s2=told.friction.kappa_m_s2 if told and told.friction else None,
-        kappa_surprise_p=None if pooled is None or at is None else float(pooled.surprise_p[at]),
-        kappa_outlying=pooled is not None and at is not None and bool(pooled.outlying[at]),
+        error_outlying=name in astray,
+        kappa_m_s2=trial.kappa,
+        kappa_surprise_p=kappa.surprise_p(name),
+        kappa_outlying=kappa.outlying(name),
         left_out_because=_left_out(trial),
+        rho_m=trial.rho,
+        rho_surprise_p=rho.surprise_p(name),
+        rho_outlying=rho.outlying(name),
     )
 
 
@@ -249,25 +285,10 @@ def _notes(trials: list[_Trial], told: int) -> tuple[str, ...]:
 def _write(draft: Draft, document: PooledDocument, experiment: Experiment) -> None:
     draft.add(POOLED, "pooled.yaml").write_text(dump_model(document), encoding="utf-8")
     if document.picture is not None:
-        draw_repeatability(_picture(document, experiment), draft.add(PICTURE, document.picture))
+        draw_repeatability(pool_picture(document, experiment), draft.add(PICTURE, document.picture))
     draft.report("trials", len(document.trials), unit="1")
     if document.kappa_m_s2 is not None:
         draft.report("kappa", document.kappa_m_s2.value, std=document.kappa_m_s2.std, unit="m/s^2")
         draft.report("kappa_between_trials", document.kappa_m_s2.between_std, unit="m/s^2")
-
-
-def _picture(document: PooledDocument, experiment: Experiment) -> RepeatabilityPicture:
-    shown = [trial for trial in document.trials if trial.final_relative_pose is not None]
-    missing = np.full(3, np.nan)
-    return RepeatabilityPicture(
-        start=np.array([trial.start_relative_pose.vector for trial in shown]),
-        goal=np.array([trial.goal_relative_pose.vector for trial in shown]),
-        initial=np.array([_vector(trial.initial_relative_pose, missing) for trial in shown]),
-        final=np.array([_vector(trial.final_relative_pose, missing) for trial in shown]),
-        outlying=np.array([trial.error_outlying or trial.kappa_outlying for trial in shown]),
-        position_tolerance_m=experiment.goal.tolerance.position_m,
-    )
-
-
-def _vector(pose: UncertainPose | None, missing: FloatArray) -> FloatArray:
-    return missing if pose is None else np.array(pose.vector)
+    if document.rho_m is not None:
+        draft.report("rho", document.rho_m.value, std=document.rho_m.std, unit="m")

@@ -2,12 +2,12 @@ from cli import pooled_samples, samples
 
 PRINTED = """\
 pooled 20261124T093050Z-p00xedx1  regrasp, 2 trials
-final error (final minus goal)   x mm    y mm  theta mrad  kappa m/s²    ±
-─────────────────────────────────────────────────────────────────────────────────────────────
-20261124T093015Z-m0x7c4td       -6.00  -11.90         1.0        23.1  0.1  stands out: error
-20261124T093016Z-m0x7c4te           -       -           -           -    -
+final minus goal            x mm    y mm  theta mrad  kappa m/s²    ±
+────────────────────────────────────────────────────────────────────────────────────────
+20261124T093015Z-m0x7c4td  -6.00  -11.90         1.0        23.1  0.1  stands out: error
+20261124T093016Z-m0x7c4te      -       -           -           -    -
 
-mean                            -6.00  -11.90         1.0                   of 1 trial
+mean                       -6.00  -11.90         1.0                   of 1 trial
 
 kappa = mu f_N / m      23.1 ± 1.2 m/s², 95 % interval [20.6, 25.9] m/s²
 noise within a trial    0.1 m/s² (0.43 %)

@@ -52,6 +52,7 @@ def test_estimate(call, stages) -> None:
         "force": False,
         "figure": False,
         "calibration": None,
+        "overrides": (),
         "command": ("slidepipe", "estimate", "m0x7"),
     }
 
@@ -64,6 +65,7 @@ def test_estimate_of_several_trials(call, stages) -> None:
         "force": True,
         "figure": False,
         "calibration": None,
+        "overrides": (),
         "command": ("slidepipe", "estimate", "m0x7", "away/trial.mcap", "--force"),
     }
 

@@ -5,6 +5,7 @@ estimators but the mechanics' closed forms.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.integrate import cumulative_simpson, solve_ivp
@@ -110,8 +111,11 @@ def _integrals(s, f):
     return first, cumulative_simpson(first, x=s, initial=0.0)
 
 
-def real_hand(case, seed, error_m=0.001, blur_s=0.004):
-    """The hand as an arm would move it: blurred in time, and off by smooth errors while it moves."""
+def real_hand(case, seed, *, error_m=0.001, blur_s=0.004, swing_rad=0.0):
+    """The hand as an arm would move it: blurred in time, and off by smooth errors while it moves.
+
+    It may swing about the contact besides while the block slides: then the slide turns now more and now less.
+    """
     rng = np.random.default_rng([seed, 77])
     time, pose = planned_hand(case)
     blurred = gaussian_filter1d(pose, blur_s / 1e-4, axis=0, mode="nearest") if blur_s else pose
@@ -123,19 +127,51 @@ def real_hand(case, seed, error_m=0.001, blur_s=0.004):
             size = scale * rng.normal() / np.sqrt(3) * 1.5 / frequency
             error[:, axis] += size * np.sin(2 * np.pi * frequency * time + rng.uniform(0, 2 * np.pi))
     every = slice(None, None, 10)
-    return CubicSpline(time[every], (blurred + error * window[:, None])[every], bc_type="clamped")
+    error *= window[:, None]
+    error[:, 2] += _swing(case, time, swing_rad)
+    return CubicSpline(time[every], (blurred + error)[every], bc_type="clamped")
 
 
-def simulate(case, mu, seed, *, growth=0.0, static=1.0, **hand_options):
+def _swing(case, time, size):
+    share = np.clip((time - case.times[0]) / case.times[1], 0, 1)
+    return size * np.sin(4 * np.pi * share) * np.sin(np.pi * share) ** 2
+
+
+@lru_cache
+def patch_friction(exponent):
+    """Friction over its largest, and moment over the largest, of a round patch by the angle of its motion.
+
+    The motion slides with the cosine and turns, times the largest moment over the largest force, with the sine. Every
+    point of the patch pulls against its own motion, and all are simply added up.
+    """
+    share = (np.arange(600) + 0.5) / 600
+    r, turn = share[:, None], 2 * np.pi * share
+    weight = r * (1 - r**exponent) ** (1 / exponent) if np.isfinite(exponent) else r
+    weight = weight / (weight.sum() * len(turn))
+    rho = float(np.sum(weight * r) * len(turn))
+    angles = np.linspace(0, np.pi / 2, 181)
+    force, moment = np.empty((2, len(angles)))
+    for at, angle in enumerate(angles):
+        spin = np.sin(angle) / rho
+        along, across = np.cos(angle) - spin * r * np.sin(turn), spin * r * np.cos(turn)
+        speed = np.hypot(along, across) + 1e-15
+        force[at] = np.sum(weight * along / speed)
+        moment[at] = np.sum(weight * r * (across * np.cos(turn) - along * np.sin(turn)) / speed) / rho
+    return CubicSpline(angles, np.stack([force, moment], axis=1))
+
+
+def simulate(case, mu, seed, *, growth=0.0, static=1.0, exponent=None, **hand_options):
     """Integrate the object under the true friction, event by event.
 
-    Friction grows with speed by ``growth`` (s/m), and a block that sticks holds ``static`` times as much.
+    Friction grows with speed by ``growth`` (s/m), and a block that sticks holds ``static`` times as much. The limit
+    surface is the ellipsoid, or that of a round patch with the pressure's ``exponent``.
     """
     hand = real_hand(case, seed, **hand_options)
     finger = case.finger(mu)
     kappa, rho = mu * case.f_N / BLOCK.m, 0.6 * case.a
     time = np.arange(hand.x[0], hand.x[-1] - 1e-9, 2.5e-4)
     contact = _Contact(hand, kappa, rho, growth, static)
+    contact.patch = None if exponent is None else patch_friction(exponent)
     q_o = np.empty((len(time), 3))
     t, r, slides = time[0], np.array(case.r_start), []
     done = 0
@@ -163,6 +199,7 @@ class _Contact:
     """Stick and slip of the block under a hand that is given as a spline."""
 
     def __init__(self, hand, kappa, rho, growth, static):
+        self.patch = None
         self.hand, self.kappa, self.rho, self.growth, self.static = hand, kappa, rho, growth, static
         self.per_inertia = BLOCK.m / BLOCK.inertia
 
@@ -219,6 +256,10 @@ class _Contact:
     def rate(self, t, y):
         s = self.slip(t, y)
         u = s / np.linalg.norm(s)
+        if self.patch is not None:
+            sliding = np.hypot(u[0], u[1])
+            force, moment = self.patch(np.arctan2(abs(u[2]), sliding))
+            u = np.array([*(force * u[:2] / max(sliding, 1e-12)), np.copysign(moment, u[2])])
         d = self.hand(t)[:2] - y[:2]
         kappa = self.kappa * (1.0 + self.growth * np.linalg.norm(s))
         turn = kappa * self.per_inertia * (self.rho * u[2] + d[0] * u[1] - d[1] * u[0])

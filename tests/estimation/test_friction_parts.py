@@ -13,6 +13,7 @@ from slidepipe.estimation.laws import Laws
 from slidepipe.estimation.linear_kernel import inverse_of
 from slidepipe.estimation.slide import Slide
 from slidepipe.estimation.weak_form import SlideWindow, bump_functions, quadrature_weights, weak_fit
+from slidepipe.mechanics.patch_curve import patch_curve
 
 
 def window_of(found, slide=None):
@@ -54,12 +55,12 @@ class Spline:
         self.z = np.concatenate([coefficients.T.ravel(), case.r_start, np.zeros(3), law])
         self.time, self.knot = np.linspace(self.opens, self.closes, 400), knot
 
-    def block(self, z, step_s, derivatives=False):
+    def block(self, z, step_s, derivatives=False, curve=None):
         steps = int(np.ceil((self.closes - self.opens) / step_s))
         pose, path = np.empty((len(self.time), 3)), np.empty((steps + 1, 7))
         jacobian = np.empty((len(self.time) if derivatives else 0, 3, len(z)))
-        clock = np.array([self.opens, self.knot, self.opens, (self.closes - self.opens) / steps, steps])
-        predict(z, np.array([STICKS, BLOCK.m / BLOCK.inertia]), clock, self.time, pose, jacobian, path)
+        clock = np.array([self.opens, self.knot, self.opens, (self.closes - self.opens) / steps, steps, 0])
+        predict(z, np.array([STICKS, BLOCK.m / BLOCK.inertia]), clock, curve, self.time, pose, jacobian, path)
         return pose, jacobian, path
 
 
@@ -76,17 +77,18 @@ def test_the_block_sticks_slides_and_sticks_as_an_event_driven_integrator_says(c
     assert sliding[-1] == pytest.approx(spline.world.slide[1], abs=1e-3)
 
 
-def test_derivatives_of_the_block_are_those_of_differences():
+@pytest.mark.parametrize("curve", [None, patch_curve(1.5)], ids=["ellipsoid", "pressure"])
+def test_derivatives_of_the_block_are_those_of_differences(curve):
     spline = Spline(CASE_B, 1.03, 40)
     z = spline.z.copy()
     z[-2:] = 0.1, 0.01
-    _, jacobian, _ = spline.block(z, 1e-3, derivatives=True)
+    _, jacobian, _ = spline.block(z, 1e-3, derivatives=True, curve=curve)
     rng = np.random.default_rng(1)
     used = np.r_[0 : 3 * spline.count + 3, len(z) - 4 : len(z)]
     for _ in range(4):
         direction = np.zeros(len(z))
         direction[used] = rng.normal(size=len(used)) * 1e-7
-        ahead, behind = (spline.block(z + sign * direction, 1e-3)[0] for sign in (1.0, -1.0))
+        ahead, behind = (spline.block(z + sign * direction, 1e-3, curve=curve)[0] for sign in (1.0, -1.0))
         slope = jacobian @ direction
         np.testing.assert_allclose((ahead - behind) / 2.0, slope, atol=1e-4 * np.abs(slope).max())
 

@@ -65,6 +65,20 @@ def test_a_figure_is_drawn_on_request_and_is_a_run_of_its_own(pooled) -> None:
     assert estimate.run(estimate.EstimateRequest(TRIALS[0], store, figure=True)).reused
 
 
+def test_torsion_is_pooled_beside_friction_where_the_slides_turn(tmp_path: Path, pooled) -> None:
+    names = ("rotational-3800-seed203", "rotational-3800-seed207", "rotational-3876-seed204")
+    trials = tuple(str(RECORDED / name / "trial.mcap") for name in names)
+    document = pool.run(pool.PoolRequest(trials, Store(tmp_path / "data"))).document
+    assert [trial.rho_m.value for trial in document.trials] == pytest.approx([0.03] * 3, rel=0.01)
+    assert document.rho_m.trials == 3
+    assert document.rho_m.interval_95[0] < 0.03 < document.rho_m.interval_95[1]
+    assert document.rho_m.within_std == pytest.approx(0.0001, abs=0.0001)
+    assert document.rho_m.same_value_p > 0.05, "the three have one contact"
+    assert document.kappa_m_s2.same_value_p < 0.05, "and two frictions"
+    assert not any(trial.rho_outlying for trial in document.trials)
+    assert pooled[0].document.rho_m is None, "a slide that does not turn tells none"
+
+
 def test_the_same_trial_twice_counts_once(tmp_path: Path) -> None:
     shutil.copy(TRIALS[0], tmp_path / "copy.mcap")
     store = Store(tmp_path / "data")

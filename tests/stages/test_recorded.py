@@ -12,7 +12,7 @@ from slidepipe.artifacts.schema import parse
 from slidepipe.artifacts.strict_yaml import load
 from slidepipe.artifacts.trial import TruthDocument
 from slidepipe.estimation.estimate import Estimate
-from slidepipe.stages.estimate import estimate_recording
+from slidepipe.stages.recorded_estimate import estimate_recording
 
 RECORDED = Path(__file__).resolve().parents[2] / "data" / "recorded"
 

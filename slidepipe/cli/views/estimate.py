@@ -71,6 +71,7 @@ def _friction(estimate: EstimateDocument) -> list[tuple[str, str]]:
         ("mu", f"{friction(mu.value)}, 95 % interval {friction_interval(mu.interval_95)}"),
         ("assumed for mu", f"f_N {force}, mass {mass}, rho {length_mm(taken.rho_m)} mm"),
         *_torsion(found),
+        *_laws(found),
         *_budget(found),
     ]
 
@@ -78,6 +79,19 @@ def _friction(estimate: EstimateDocument) -> list[tuple[str, str]]:
 def _torsion(found: FrictionEstimate) -> list[tuple[str, str]]:
     rho = found.rho_m
     return [] if rho is None else [("rho = c a", f"{1e3 * rho.value:.2f} ± {1e3 * rho.std:.2f} mm")]
+
+
+def _laws(found: FrictionEstimate) -> list[tuple[str, str]]:
+    asked = (
+        ("mu_s / mu_k", found.static_share, ""),
+        ("growth with speed", found.growth_s_m, "s/m"),
+        ("1/k of the pressure", found.inverse_exponent, ""),
+    )
+    return [
+        (name, f"{one.value:.3f} ± {one.std:.2g}, 95 % interval {interval(one.interval_95, unit)}".rstrip())
+        for name, one, unit in asked
+        if one is not None
+    ]
 
 
 def _budget(found: FrictionEstimate) -> list[tuple[str, str]]:

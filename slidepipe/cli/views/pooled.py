@@ -20,7 +20,7 @@ from slidepipe.cli.views.tables import (
 )
 
 _ERRORS = ("x mm", "y mm", "theta mrad")
-_NUMBERS = ("trial", *_ERRORS, "kappa m/s²", "±")
+_NUMBERS = ("trial", *_ERRORS, "kappa m/s²", "±", "rho mm")
 
 
 def pooled_view(pooled: PooledDocument, run: Run) -> list[RenderableType]:
@@ -37,15 +37,17 @@ def pooled_view(pooled: PooledDocument, run: Run) -> list[RenderableType]:
 
 
 def _table(pooled: PooledDocument) -> Table:
-    table = columns("final error (final minus goal)", *_ERRORS, "kappa m/s²", "±", "", numbers=_NUMBERS)
+    torsion = () if pooled.rho_m is None else ("rho mm",)
+    table = columns("final minus goal", *_ERRORS, "kappa m/s²", "±", *torsion, "", numbers=_NUMBERS)
     last = len(pooled.trials) - 1
     for place, trial in enumerate(pooled.trials):
         kappa = trial.kappa_m_s2
         told = (number(kappa.value), f"{kappa.std:.2g}") if kappa else (NONE, NONE)
         error = planar(trial.error.vector) if trial.error else (NONE, NONE, NONE)
-        table.add_row(trial.trial, *error, *told, _remark(trial), end_section=place == last)
+        turning = (_torsion(trial),) if torsion else ()
+        table.add_row(trial.trial, *error, *told, *turning, _remark(trial), end_section=place == last)
     for name, vector, count in _repeatability(pooled):
-        table.add_row(name, *planar(vector), "", "", count)
+        table.add_row(name, *planar(vector), "", "", *("" for _ in torsion), count)
     return table
 
 
@@ -58,8 +60,14 @@ def _repeatability(pooled: PooledDocument) -> list[tuple[str, Planar, str]]:
     return [("mean", found.mean_error.vector, count), *spread]
 
 
+def _torsion(trial: PooledTrial) -> str:
+    rho = trial.rho_m
+    return f"{1e3 * rho.value:.2f} ± {1e3 * rho.std:.2f}" if rho else NONE
+
+
 def _remark(trial: PooledTrial) -> str:
-    out = [name for name, stands in (("kappa", trial.kappa_outlying), ("error", trial.error_outlying)) if stands]
+    stands = (("kappa", trial.kappa_outlying), ("rho", trial.rho_outlying), ("error", trial.error_outlying))
+    out = [name for name, outlying in stands if outlying]
     return f"stands out: {' and '.join(out)}" if out else ""
 
 
@@ -79,8 +87,22 @@ def _friction(pooled: PooledDocument) -> list[tuple[str, str]]:
         ("spread between trials", f"{_share(kappa.between_std, kappa)}, 95 % interval {_between(kappa)}"),
         ("one value for all", _same(kappa)),
         ("the next trial's kappa", f"95 % interval {interval(kappa.predictive_interval_95, 'm/s²')}"),
+        *_rho(pooled),
         ("mu", f"{friction(mu.value)}, 95 % interval {friction_interval(mu.interval_95)}"),
         ("assumed for mu", f"f_N {force}, mass {mass}, rho {length_mm(taken.rho_m)} mm"),
+    ]
+
+
+def _rho(pooled: PooledDocument) -> list[tuple[str, str]]:
+    rho = pooled.rho_m
+    if rho is None:
+        return []
+    low, high = (f"{1e3 * end:.2f}" for end in rho.interval_95)
+    spreads = (rho.within_std, rho.between_std)
+    within, between = (f"{1e3 * one:.2f} mm ({100.0 * one / rho.value:.2g} %)" for one in spreads)
+    return [
+        ("rho = c a", f"{1e3 * rho.value:.2f} ± {1e3 * rho.std:.2f} mm, 95 % interval [{low}, {high}] mm"),
+        ("within, between trials", f"{within}, {between}"),
     ]
 
 
