@@ -35,22 +35,20 @@ class ArmLoad:
 
 def arm_load(model: mujoco.MjModel, path: JointPath) -> ArmLoad:
     """Torques and speeds along a path of evenly spaced samples."""
-    data = mujoco.MjData(model)
     half = 0.5 * (path.time_s[1] - path.time_s[0])
     q, dq, ddq = path.position_rad, path.velocity_rad_s, path.acceleration_rad_s2
     middle_q, middle_dq = q + half * dq + 0.5 * half**2 * ddq, dq + half * ddq
     still = np.zeros_like(q)
-    torque = _inverse_dynamics(model, data, q, dq, ddq) + _friction(dq)
-    middle = _inverse_dynamics(model, data, middle_q, middle_dq, ddq) + _friction(middle_dq)
-    feedforward = middle - _inverse_dynamics(model, data, middle_q, still, still)
+    torque = inverse_dynamics(model, q, dq, ddq) + _friction(dq)
+    middle = inverse_dynamics(model, middle_q, middle_dq, ddq) + _friction(middle_dq)
+    feedforward = middle - inverse_dynamics(model, middle_q, still, still)
     feedforward[-1] = 0.0
     return ArmLoad(torque, feedforward, elbow_speed(model, q, dq))
 
 
-def _inverse_dynamics(
-    model: mujoco.MjModel, data: mujoco.MjData, q: FloatArray, dq: FloatArray, ddq: FloatArray
-) -> FloatArray:
-    torque = np.empty_like(q)
+def inverse_dynamics(model: mujoco.MjModel, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> FloatArray:
+    """Torques (T, 7) of the arm without its joint friction, N m, for angles, speeds and accelerations (T, 7)."""
+    data, torque = mujoco.MjData(model), np.empty_like(q)
     for index in range(len(q)):
         data.qpos[:], data.qvel[:], data.qacc[:] = q[index], dq[index], ddq[index]
         mujoco.mj_inverse(model, data)

@@ -1,6 +1,6 @@
 """From a course to a motion of the arm, with every limit checked."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 import mujoco
@@ -106,12 +106,15 @@ def plan_course(course: Course, setup: Setup) -> Plan:
     return chosen
 
 
-def follow(course: Course, setup: Setup) -> Plan:
-    """The plan of a course, whether or not it keeps the limits; raises InfeasibleError where the arm cannot reach."""
+def follow(course: Course, setup: Setup, near: Callable[[FloatArray], FloatArray] | None = None) -> Plan:
+    """The plan of a course, whether or not it keeps the limits; raises InfeasibleError where the arm cannot reach.
+
+    ``near`` may tell joint angles (T, 7) near the right ones at times (T,) of one phase.
+    """
     motion = CourseMotion(course, setup.block, setup.fingers)
     sampled = motion.sample(_ticks(course))
     model = nominal_model(setup.tool)
-    joints = _joints(model, motion, setup, sampled.time_s)
+    joints = _joints(model, motion, setup, sampled.time_s, near)
     load = arm_load(model, joints)
     return Plan(
         setup=setup,
@@ -125,7 +128,13 @@ def follow(course: Course, setup: Setup) -> Plan:
     )
 
 
-def _joints(model: mujoco.MjModel, motion: CourseMotion, setup: Setup, time_s: FloatArray) -> JointPath:
+def _joints(
+    model: mujoco.MjModel,
+    motion: CourseMotion,
+    setup: Setup,
+    time_s: FloatArray,
+    near: Callable[[FloatArray], FloatArray] | None,
+) -> JointPath:
     """Joint motion with the posture as it is wished, else drawn towards the middle of the joints' ranges.
 
     Where a joint meets its limit on the way, the posture nearest to the wished one turns a corner.
@@ -139,6 +148,7 @@ def _joints(model: mujoco.MjModel, motion: CourseMotion, setup: Setup, time_s: F
                 lambda at_s: _hand_path(motion, setup, at_s),
                 time_s,
                 motion.course.boundaries,
+                near=near if pull == PULLS[0] else None,
             )
         except InfeasibleError as refusal:
             refusals.append(refusal)
