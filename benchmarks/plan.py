@@ -1,8 +1,10 @@
 """Time the planner and try its promises: named problems, random goals, wrong friction, MuJoCo, other optimisers.
 
 Every feasible plan is run in MuJoCo with a perfect tracker. The friction errors survived are those that simulated
-trials survive, confirmed in MuJoCo just inside both ends; "wide face" is the same plan on a face without an edge, so
-that only turning and not coming nearer count. ``--json`` writes the figures.
+trials survive, confirmed in MuJoCo just inside both ends. ``eps_...`` asks of every friction within that the object
+turns less than 0.3 rad in the hand and ends nearer its goal than it began, no more: the object's face has no edge, its
+mass and inertia stay. ``eps_..._on_face`` asks as well that the contact stays on the object's real face, as
+``slidepipe plan`` does. ``--json`` writes the figures.
 """
 
 import argparse
@@ -16,19 +18,21 @@ import time
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import mujoco
 import numpy as np
 from support.planning import Problem, linear_setup, linear_task, named_problems, random_problems, robust_problems
 from support.planning_peers import by_slsqp, casadi_solver, middle
 
 from slidepipe.errors import InfeasibleError
-from slidepipe.lab.grip_model import ContactSettings
+from slidepipe.lab.grip_model import BLOCK, ContactSettings
 from slidepipe.lab.planar_rig import planar_rig, run_rig
 from slidepipe.mechanics.dynamics import Block
+from slidepipe.planning import assess_kernel as kernel
 from slidepipe.planning.automatic import local_arm, plan_automatically
 from slidepipe.planning.course import CourseMotion
-from slidepipe.planning.planner import Plan
+from slidepipe.planning.planner import Plan, Setup
 from slidepipe.planning.search import Search
-from slidepipe.planning.survival import MOST_TURN_RAD, survival
+from slidepipe.planning.survival import MOST_TURN_RAD
 from slidepipe.planning.wish import WEIGHTS, Objective, Wish
 from slidepipe.series import FloatArray
 
@@ -41,6 +45,7 @@ WIDE = 10.0
 AIMS = {
     "plan_s": "0.2", "plan_cold_cli_s": "-", "success_share": "-", "vs_slsqp": "> 1", "vs_casadi": "> 1",
     "eps_paper_grip": "0.15", "eps_free_orientation": "0.25", "eps_free_grip": "0.35",
+    "eps_paper_grip_on_face": "-", "eps_free_orientation_on_face": "-", "eps_free_grip_on_face": "-",
     "mujoco_worst_mm": "1.5", "mujoco_worst_mrad": "30",
 }  # fmt: skip
 
@@ -79,28 +84,28 @@ def main() -> None:
 def _robust() -> tuple[dict[str, float], list[Missed]]:
     """Friction errors survived on VIII-A's way, hand acceleration within 20 m/s^2 and speed within 3 m/s."""
     figures, missed = {}, []
-    print("\nVIII-A, most friction error survived    below   above   wide face   in MuJoCo at the ends   binds")
-    for key, problem in robust_problems().items():
-        chosen = plan_automatically(problem.task, problem.setup, problem.wish)
-        told, wide = chosen.survival, _on_a_wide_face(chosen)
-        figures[key], figures[f"{key}_wide_face"] = told.friction_error, wide
-        held = [_survives(chosen, 1.0 + way * INSIDE * told.friction_error) for way in (-1, 1)]
-        binds = told.why_below if told.below < told.above else told.why_above
-        verdict = "survived" if all(held) else "FAILED"
-        print(f"{key:38s} {told.below:7.4f} {told.above:7.4f} {wide:11.4f}   {verdict:>21s}   {binds}")
-        missed.append(_missed(key, chosen))
+    print("\nVIII-A, most friction error survived      below   above   in MuJoCo at the ends   binds")
+    for name, problem in robust_problems().items():
+        for key, setup in ((name, _without_edge(problem.setup)), (f"{name}_on_face", problem.setup)):
+            chosen = plan_automatically(problem.task, setup, problem.wish)
+            told = chosen.survival
+            figures[key] = told.friction_error
+            held = [_survives(chosen, 1.0 + way * INSIDE * told.friction_error) for way in (-1, 1)]
+            binds = told.why_below if told.below < told.above else told.why_above
+            verdict = "survived" if all(held) else "FAILED"
+            print(f"{key:40s} {told.below:7.4f} {told.above:7.4f}   {verdict:>21s}   {binds}")
+            missed.append(_missed(key, chosen))
     return figures, missed
 
 
-def _on_a_wide_face(chosen: Plan) -> float:
-    """Friction error that the same motion survives where the face has no edge; mass and inertia stay."""
-    block = chosen.setup.block
-    wide = _WideBlock(block.length, block.width, block.m)
-    return survival(chosen.course, wide, chosen.setup.fingers).friction_error
+def _without_edge(setup: Setup) -> Setup:
+    """The setup with a face that the contact cannot leave."""
+    block = setup.block
+    return replace(setup, block=_WideBlock(block.length, block.width, block.m))
 
 
 class _WideBlock(Block):
-    """A block as heavy and as hard to turn as its sides say, with a face that is far wider."""
+    """A block as heavy and as hard to turn as one with the sides that are given, with a face that is far wider."""
 
     __slots__ = ()
 
@@ -133,10 +138,15 @@ def _times() -> dict[str, float]:
 
 
 def _peers() -> dict[str, float]:
-    """The shortest motion of VIII-A: our search beside SLSQP and IPOPT, in turns; the arm's first order in all."""
+    """The shortest motion of VIII-A: our search beside SLSQP and IPOPT, in turns.
+
+    Time alone counts, wrong friction enters by the formula of a straight slide, and the arm by its local model, in all.
+    """
     wish = Wish(WEIGHTS[Objective.FAST], turn_rad=1.0)
     search = Search(linear_task(), linear_setup(), wish, local_arm(linear_task(), linear_setup()))
-    start, ours, rows = middle(search), search.best(), []
+    search.weights[:] = np.where(np.arange(len(search.weights)) < kernel.DEMANDED, 0.0, search.weights)
+    search.weights[kernel.FOR_TIME] = 1.0
+    start, ours, rows = middle(search), search.rough(), []
     peers = {"vs_slsqp": ("scipy SLSQP", lambda: by_slsqp(search, start))}
     try:
         solve = casadi_solver(search)
@@ -149,16 +159,19 @@ def _peers() -> dict[str, float]:
         mine, theirs = [], []
         for _ in range(ROUNDS):
             began = time.perf_counter()
-            search.best()
+            search.rough()
             between = time.perf_counter()
             answer = run()
             mine.append(between - began)
             theirs.append(time.perf_counter() - between)
         figures[key] = statistics.median(b / a for a, b in zip(mine, theirs, strict=True))
-        rows.append((name, statistics.median(theirs), answer.length_s, answer.feasible, figures[key]))
-    for name, seconds, length_s, feasible, ratio in rows:
-        word = "feasible" if feasible else "breaks limits"
-        print(f"{name:14s} {1e3 * seconds:8.0f} ms, {length_s:.4f} s, {word}; ours is {ratio:.2g} times as fast")
+        rows.append((name, mine, theirs, answer, figures[key]))
+    for name, mine, theirs, answer, ratio in rows:
+        word = f"limits broken by {100 * answer.excess:.2g} %" if answer.excess > 0.0 else "feasible"
+        print(
+            f"{name:14s} {1e3 * statistics.median(theirs):7.1f} ms, {answer.length_s:.4f} s, {word}; "
+            f"ours {1e3 * statistics.median(mine):.1f} ms: {ratio:.2g} times as fast"
+        )
     return figures
 
 
@@ -211,7 +224,16 @@ def _in_mujoco(chosen: Plan, share: float = 1.0) -> FloatArray:
     setup = chosen.setup
     fingers = tuple(replace(f, finger=replace(f.finger, mu=share * f.finger.mu)) for f in setup.fingers)
     hand = CourseMotion(chosen.course, setup.block, setup.fingers).hand_motion()
-    return run_rig(planar_rig(setup.block, fingers, CONTACT), hand, chosen.course.r_start).r_f_b[-1]
+    rig = planar_rig(setup.block, fingers, CONTACT)
+    # A face without an edge does not make its block harder to turn.
+    rig.model.body_inertia[rig.model.body(BLOCK).id] *= setup.block.inertia / box_inertia(setup.block)
+    mujoco.mj_setConst(rig.model, mujoco.MjData(rig.model))
+    return run_rig(rig, hand, chosen.course.r_start).r_f_b[-1]
+
+
+def box_inertia(block: Block) -> float:
+    """Moment of inertia of a block about its middle for its sides alone, kg m^2."""
+    return block.m * (block.length**2 + block.width**2) / 12.0
 
 
 def _missed(name: str, chosen: Plan) -> Missed:

@@ -44,13 +44,13 @@ class HandWrench:
 
 def arm_load(model: mujoco.MjModel, path: JointPath) -> ArmLoad:
     """Torques and speeds along a path of evenly spaced samples."""
-    data, middle = mujoco.MjData(model), middles(path)
+    middle = middles(path)
     q, dq, still = path.position_rad, path.velocity_rad_s, np.zeros_like(path.position_rad)
-    torque = _inverse_dynamics(model, data, q, dq, path.acceleration_rad_s2) + _friction(dq)
-    moving = _inverse_dynamics(
-        model, data, middle.position_rad, middle.velocity_rad_s, middle.acceleration_rad_s2
+    torque = inverse_dynamics(model, q, dq, path.acceleration_rad_s2) + _friction(dq)
+    moving = inverse_dynamics(
+        model, middle.position_rad, middle.velocity_rad_s, middle.acceleration_rad_s2
     ) + _friction(middle.velocity_rad_s)
-    resting = _inverse_dynamics(model, data, middle.position_rad, still, still)
+    resting = inverse_dynamics(model, middle.position_rad, still, still)
     feedforward = moving - resting
     feedforward[-1] = 0.0
     return ArmLoad(torque, feedforward, elbow_speed(model, q, dq))

@@ -17,8 +17,10 @@ from slidepipe.series import FloatArray
 
 APPROACH_POSTURE_COST = 1e-3
 """Weight of the posture beside the hand's pose on the way to the start of a path; along it the pose is exact."""
-STEP_TOLERANCE_RAD = 1e-9
+STEP_TOLERANCE_RAD = 1e-8
 MAX_STEPS = 50
+SECANT_BELOW_RAD, SECANT_RANGE = 0.1, (0.5, 4.0)
+"""Steps that are lengthened or shortened, and by how much at most."""
 POSITION_TOLERANCE_M = 1e-7
 ANGLE_TOLERANCE_RAD = 1e-6
 NODES = (9, 17, 33, 65)
@@ -62,10 +64,11 @@ class InverseKinematics:
         self._posture = mink.PostureTask(model, cost=APPROACH_POSTURE_COST)
         self._posture.set_target(np.array(posture_rad, dtype=float))
         self._limits = [mink.ConfigurationLimit(model)]
+        self._range_rad = model.jnt_range.T.copy()
 
     def approach(self, path: HandPath) -> None:
         """Come near the first pose of a path from wherever the search is, with the posture held loosely."""
-        self._aim(path.position_m[0], path.matrix[0])
+        self._hand.set_target(_targets(path)[0])
         self._descend([self._hand, self._posture], [])
 
     def solve(self, path: HandPath, near: FloatArray | None = None) -> FloatArray:
@@ -77,15 +80,15 @@ class InverseKinematics:
             A pose is out of reach within the limits.
         """
         angles = np.empty((len(path.time_s), len(self._configuration.q)))
-        for index, sample in enumerate(zip(path.time_s, path.position_m, path.matrix, strict=True)):
+        for index, target in enumerate(_targets(path)):
             if near is not None:
                 self._configuration.update(near[index])
-            angles[index] = self._pose(*sample)
+            self._hand.set_target(target)
+            angles[index] = self._pose(path.time_s[index])
         return angles
 
-    def _pose(self, time_s: float, position_m: FloatArray, matrix: FloatArray) -> FloatArray:
-        """Nearest to the posture among the configurations that hold the hand exactly there."""
-        self._aim(position_m, matrix)
+    def _pose(self, time_s: float) -> FloatArray:
+        """Nearest to the posture among the configurations that hold the hand exactly on its target."""
         with suppress(mink.NoSolutionFound):  # then the pose is out of reach: how far, the error tells
             self._descend([self._posture], [self._hand])
         error = self._hand.compute_error(self._configuration)
@@ -99,16 +102,36 @@ class InverseKinematics:
             )
         return np.array(self._configuration.q)
 
-    def _aim(self, position_m: FloatArray, matrix: FloatArray) -> None:
-        quaternion = Rotation.from_matrix(matrix).as_quat(scalar_first=True)
-        self._hand.set_target(mink.SE3(np.concatenate([quaternion, position_m])))
-
     def _descend(self, tasks: list[mink.Task], constraints: list[mink.Task]) -> None:
+        """Step until there is nothing to gain, each step as long as the change from the last to this one tells.
+
+        Steps that hold the pose lie along the arm's one free direction, where those of full length converge slowly.
+        """
+        moved, before = np.zeros(0), np.zeros(0)
         for _ in range(MAX_STEPS):
             step = mink.solve_ik(self._configuration, tasks, 1.0, "daqp", limits=self._limits, constraints=constraints)
-            self._configuration.integrate_inplace(step, 1.0)
-            if np.max(np.abs(step)) < STEP_TOLERANCE_RAD:
+            size = np.max(np.abs(step))
+            share = _secant(moved, step - before) if len(moved) and size < SECANT_BELOW_RAD else 1.0
+            longer = self._configuration.q + share * step
+            if np.any((longer < self._range_rad[0]) | (longer > self._range_rad[1])):
+                share = 1.0
+            moved, before = share * step, step
+            self._configuration.integrate_inplace(moved, 1.0)
+            if size < STEP_TOLERANCE_RAD:
                 break
+
+
+def _targets(path: HandPath) -> list[mink.SE3]:
+    """Poses as mink takes them."""
+    quaternions = Rotation.from_matrix(path.matrix).as_quat(scalar_first=True)
+    return [mink.SE3(values) for values in np.hstack([quaternions, path.position_m])]
+
+
+def _secant(moved: FloatArray, change: FloatArray) -> float:
+    """How long the next step should be beside what was solved for, from a move and the change of the steps over it."""
+    curvature = -float(moved @ change)
+    square = float(moved @ moved)
+    return float(np.clip(square / curvature, *SECANT_RANGE)) if curvature > 0.0 else SECANT_RANGE[1]
 
 
 def joint_path(
@@ -116,6 +139,8 @@ def joint_path(
     hand: Callable[[FloatArray], HandPath],
     time_s: FloatArray,
     boundaries_s: FloatArray,
+    *,
+    near: Callable[[FloatArray], FloatArray] | None = None,
 ) -> JointPath:
     """Joint motion for a motion of the hand that is smooth between boundaries and whose acceleration jumps there.
 
@@ -130,16 +155,19 @@ def joint_path(
         Where the joint motion is wanted; at a boundary the piece that begins there counts.
     boundaries_s : (B,)
         First and last included.
+    near : callable, optional
+        Joint angles (K, 7) to start from at (K,) times between two boundaries.
 
     Raises
     ------
     InfeasibleError
         A pose is out of reach within the limits, or the joints do not move smoothly.
     """
-    kinematics.approach(hand(boundaries_s[:1]))
+    if near is None:
+        kinematics.approach(hand(boundaries_s[:1]))
     values = np.empty((3, len(time_s), 7))
     for start, stop in pairwise(boundaries_s):
-        coefficients = _converged(kinematics, hand, float(start), float(stop))
+        coefficients = _converged(kinematics, hand, float(start), float(stop), near)
         inside = time_s >= start - 1e-9
         share = 2.0 * (time_s[inside] - start) / (stop - start) - 1.0
         for order in range(3):
@@ -149,11 +177,16 @@ def joint_path(
 
 
 def _converged(
-    kinematics: InverseKinematics, hand: Callable[[FloatArray], HandPath], start: float, stop: float
+    kinematics: InverseKinematics,
+    hand: Callable[[FloatArray], HandPath],
+    start: float,
+    stop: float,
+    near: Callable[[FloatArray], FloatArray] | None,
 ) -> FloatArray:
     """Chebyshev coefficients (N, 7) of the joint angles along one piece."""
-    points, angles = _points(NODES[0]), np.empty((0, 7))
-    angles = kinematics.solve(hand(start + (stop - start) * points))
+    points = _points(NODES[0])
+    time_s = start + (stop - start) * points
+    angles = kinematics.solve(hand(time_s), None if near is None else near(time_s))
     for count in NODES:
         coefficients = np.linalg.solve(chebyshev.chebvander(2.0 * points - 1.0, count - 1), angles)
         if np.max(np.abs(coefficients[-2:])) < CONVERGED_RAD:
@@ -161,8 +194,8 @@ def _converged(
         # The points between, sought from where the polynomial has them.
         finer, angles = _points(2 * count - 1), np.repeat(angles, 2, axis=0)[:-1]
         between = finer[1::2]
-        near = chebyshev.chebval(2.0 * between - 1.0, coefficients).T
-        angles[1::2] = kinematics.solve(hand(start + (stop - start) * between), near)
+        told = chebyshev.chebval(2.0 * between - 1.0, coefficients).T
+        angles[1::2] = kinematics.solve(hand(start + (stop - start) * between), told)
         points = finer
     raise InfeasibleError(
         f"inverse kinematics: the joints do not move smoothly between t = {start:.3f} s and {stop:.3f} s, "

@@ -1,4 +1,4 @@
-"""The arm near one pose of the hand, to first order: what a motion in the plane asks of each joint, for a sum.
+"""The arm near one pose of the hand, to second order: what a motion in the plane asks of each joint, for a sum.
 
 A search asks it thousands of times where the arm itself is asked once.
 """
@@ -11,16 +11,18 @@ import numpy as np
 from slidepipe.arm import wam
 from slidepipe.arm.inverse_kinematics import HandPath, InverseKinematics
 from slidepipe.arm.model import ELBOW
+from slidepipe.errors import InfeasibleError
 from slidepipe.mechanics.planar import MotionPlane
 from slidepipe.series import FloatArray
 
-STEP = 1e-4
-"""Of the hand, m and rad, for the joints' rates."""
+STEPS = ((0.04, 0.04, 0.2), (0.003, 0.003, 0.01), (1e-4, 1e-4, 1e-4))
+"""Of the hand, m and rad, for the joints' rates and how they change: about as far as a motion goes, else nearer."""
+PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
 
 @dataclass(frozen=True, slots=True)
 class LocalModel:
-    """First order about a pose of the hand.
+    """Second order about a pose of the hand for the joints' angles, and the arm's mass and weight there.
 
     Attributes
     ----------
@@ -29,12 +31,14 @@ class LocalModel:
     angles_rad : (7,)
     rates : (7, 3)
         Joint rates for the hand's rates along x, y and about the normal.
-    torques : (7, 3)
-        Joint torques for its accelerations, N m.
+    curvature : (7, 6)
+        How those rates change along xx, yy, tt, xy, xt and yt.
+    mass : (7, 7)
+        Mass matrix, kg m^2.
     weight_n_m : (7,)
         Torques that hold the arm still.
-    elbow : (3, 3)
-        Velocity of the elbow's point for the hand's rates.
+    elbow : (3, 7)
+        Velocity of the elbow's point for the joints' rates.
     middle_rad, half_rad, speed_rad_s, acceleration_rad_s2, torque_n_m : (7,)
         Middle and half of the joints' ranges, and their limits.
     elbow_speed_m_s : float
@@ -43,7 +47,8 @@ class LocalModel:
     pose: FloatArray
     angles_rad: FloatArray
     rates: FloatArray
-    torques: FloatArray
+    curvature: FloatArray
+    mass: FloatArray
     weight_n_m: FloatArray
     elbow: FloatArray
     middle_rad: FloatArray
@@ -54,15 +59,13 @@ class LocalModel:
     elbow_speed_m_s: float
 
     def rows(self) -> FloatArray:
-        """(19, 7) as the compiled search reads it."""
-        elbow = np.zeros((3, 7))
-        elbow[:, :3] = self.elbow
-        pose = np.array([*self.pose, self.elbow_speed_m_s, 0.0, 0.0, 0.0])
+        """(30, 7) as the compiled search reads it: one over each limit."""
+        pose = np.array([*self.pose, 1.0 / self.elbow_speed_m_s, 0.0, 0.0, 0.0])
         return np.ascontiguousarray(
             np.vstack(
-                [self.rates.T, self.torques.T, elbow, pose, self.angles_rad, self.weight_n_m, wam.COULOMB_FRICTION,
-                 wam.VISCOUS_FRICTION, self.middle_rad, self.half_rad, self.speed_rad_s, self.acceleration_rad_s2,
-                 self.torque_n_m]
+                [self.rates.T, self.curvature.T, self.mass, self.elbow, pose, self.angles_rad, self.weight_n_m,
+                 wam.COULOMB_FRICTION, wam.VISCOUS_FRICTION, self.middle_rad, 1.0 / self.half_rad,
+                 1.0 / self.speed_rad_s, 1.0 / self.acceleration_rad_s2, 1.0 / self.torque_n_m]
             )
         )  # fmt: skip
 
@@ -85,6 +88,10 @@ class LocalModel:
             half_rad=self.half_rad * half,
         )
 
+    def tightened_evenly(self, share: float) -> "LocalModel":
+        """The same with all limits multiplied."""
+        return self.tightened(half=np.full(7, share), speed=share, acceleration=share, torque=share, elbow=share)
+
 
 def local_model(
     model: mujoco.MjModel,
@@ -104,13 +111,9 @@ def local_model(
     InfeasibleError
         The pose is out of reach.
     """
-    poses = np.vstack([pose, pose + STEP * np.eye(3)])
-    path = HandPath(np.zeros(4), *plane.lift(poses))
-    kinematics.approach(path)
-    angles = kinematics.solve(path)
-    rates = (angles[1:] - angles[0]).T / STEP
+    near = _joints_near(kinematics, plane, np.asarray(pose, dtype=float))
     data, jacobian = mujoco.MjData(model), np.empty((3, model.nv))
-    data.qpos[:] = angles[0]
+    data.qpos[:] = near.angles_rad
     mujoco.mj_inverse(model, data)
     weight = data.qfrc_inverse.copy()
     inertia = np.empty((model.nv, model.nv))
@@ -119,11 +122,12 @@ def local_model(
     lower, upper = np.array([link.range_rad for link in wam.LINKS]).T
     return LocalModel(
         pose=np.asarray(pose, dtype=float),
-        angles_rad=angles[0],
-        rates=rates,
-        torques=inertia @ rates,
+        angles_rad=near.angles_rad,
+        rates=near.rates,
+        curvature=near.curvature,
+        mass=inertia,
         weight_n_m=weight,
-        elbow=jacobian @ rates,
+        elbow=jacobian,
         middle_rad=(upper + lower) / 2,
         half_rad=(upper - lower) / 2,
         speed_rad_s=np.asarray(speed_rad_s, dtype=float),
@@ -131,3 +135,39 @@ def local_model(
         torque_n_m=np.asarray(torque_n_m, dtype=float),
         elbow_speed_m_s=elbow_speed_m_s,
     )
+
+
+@dataclass(frozen=True, slots=True)
+class _Joints:
+    """Joint angles (7,) at a pose, their rates (7, 3) and how those change (7, 6)."""
+
+    angles_rad: FloatArray
+    rates: FloatArray
+    curvature: FloatArray
+
+
+def _joints_near(kinematics: InverseKinematics, plane: MotionPlane, pose: FloatArray) -> _Joints:
+    """Joints about a pose by differences over the longest step at which all poses can be reached."""
+    refusals = []
+    for step in STEPS:
+        try:
+            return _differences(kinematics, plane, pose, np.array(step))
+        except InfeasibleError as refusal:
+            refusals.append(refusal)
+    raise refusals[-1]
+
+
+def _differences(kinematics: InverseKinematics, plane: MotionPlane, pose: FloatArray, step: FloatArray) -> _Joints:
+    moves = np.diag(step)
+    both = [moves[one] + moves[other] for one, other in PAIRS[3:]]
+    poses = pose + np.vstack([np.zeros(3), moves, -moves, *both])
+    path = HandPath(np.zeros(len(poses)), *plane.lift(poses))
+    kinematics.approach(path)
+    middle, *rest = kinematics.solve(path)
+    ahead, behind, across = np.array(rest[:3]), np.array(rest[3:6]), np.array(rest[6:])
+    curvature = np.empty((len(middle), len(PAIRS)))
+    curvature[:, :3] = ((ahead + behind - 2.0 * middle) / step[:, None] ** 2).T
+    for index, (one, other) in enumerate(PAIRS[3:]):
+        twist = across[index] - ahead[one] - ahead[other] + middle
+        curvature[:, 3 + index] = twist / (step[one] * step[other])
+    return _Joints(middle, ((ahead - behind) / (2.0 * step[:, None])).T, curvature)

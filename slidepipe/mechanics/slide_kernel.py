@@ -44,6 +44,8 @@ LEAVE = 0.85
 REST = 0.1
 """Share of the tolerance that the rest of a slide may be worth, to be taken as a parabola."""
 MOST_STEPS = 4000
+GRAZE_S = 1e-6
+"""How long a grip holds on that is overloaded by so little that no step of a slide can be taken."""
 SCRATCH = ORDER + STAGES + 3
 """Rows of memory that a slide needs."""
 INSIDE = 1.0 - 1e-13
@@ -193,6 +195,10 @@ def slide(hand, jumps, body, tolerance, end, r, t, y, scratch, path, count):
         h, good, at_limit = advance(hand, body, tolerance, t, limit, y, speed, rate, left, steps, table, work)
         if not good:
             if h < 1e-14:
+                # A load that grazes what the grip bears: what slides is less than can be told, and the grip is looked
+                # at again.
+                if speed * GRAZE_S <= REST * tolerance:
+                    return t + GRAZE_S, STUCK, count
                 return t, FAILED, count
             continue
         t = limit if at_limit else t + h

@@ -3,35 +3,26 @@
 import numpy as np
 from numba import njit, prange
 
-from slidepipe.mechanics.event_kernel import run_trial
-from slidepipe.mechanics.load_kernel import certified_load
-from slidepipe.mechanics.slide_kernel import STUCK
+from slidepipe.planning.arm_kernel import OFFSETS, arm_share
+from slidepipe.planning.grip_kernel import face_share, phase_load, stick_share
 from slidepipe.planning.profile_kernel import (
     BRAKE,
     CATCH,
     COLUMNS,
     FAST,
-    GRAVITY,
     PHASES,
     SETTLE,
     STICK,
     TEAR,
-    even_velocity,
-    fill,
+    fill_evenly,
     hand_pieces,
 )
+from slidepipe.planning.trial_kernel import error_survived, straight_error, straight_length
 
 GRID_S = 1e-4
 """Durations are whole numbers of this, so that a plan can be read."""
-MOST_TURN_RAD = 0.3
-"""An object that turned further in the hand than it was to is lost."""
-REST_S = 0.5
-SEARCH_TOLERANCE_M = 1e-6
-ERROR_STEP = 0.03
 ACCELERATION_UNIT = 20.0
 """Hand acceleration that counts one, m/s^2."""
-LOST = 1.5
-"""Measure of a trial whose object is lost; from one on it is no better than not to have tried."""
 ANGLE, LOG_STICK, LOG_TEAR, LOG_BRAKE, CATCH_SHARE, LOG_SETTLE, LOG_FORCE = range(7)
 """Entries of a choice: the object's angle at the start of sliding, logarithms of T1, T2, T3 / T2, Tc / T2, that of
 T4, and that of the grip force beside the believed one."""
@@ -41,18 +32,23 @@ CHOICES = 7
     ERROR, COST,
 ) = range(11)  # fmt: skip
 FIGURES = 11
-FOR_TIME, FOR_ACCELERATION, FOR_ERROR, FOR_LOAD, FOR_FORCE, DEMANDED, MOST, SIMULATED = range(8)
-WISHES = 8
-POSE, ANGLES, WEIGHT, DRY, VISCOUS, MIDDLE, HALF, SPEED, ACCELERATION, TORQUE, ARM_ROWS = range(9, 20)
-"""Rows of the arm's local model, after three of its joints' rates, three of its torques and three of its elbow."""
+FOR_TIME, FOR_ACCELERATION, FOR_ERROR, FOR_LOAD, FOR_FORCE, DEMANDED, MOST, WISHES = range(8)
 SURVIVES_TOO_LITTLE, BREAKS_LIMITS = 50.0, 100.0
 """Costs from which on a choice does not do."""
+FORCE_GRID = 1e-4
+"""Of the grip force beside the believed one: nobody sets a gripper finer."""
 
 
 @njit(**FAST)
 def rounded(duration):
     """A duration on the grid that plans are written with, s."""
     return round(duration / GRID_S) * GRID_S
+
+
+@njit(**FAST)
+def force_share(choice):
+    """Grip force beside the believed one, on its grid."""
+    return round(np.exp(choice[LOG_FORCE]) / FORCE_GRID) * FORCE_GRID
 
 
 @njit(**FAST)
@@ -67,171 +63,34 @@ def read_choice(choice, times):
 
 
 @njit(**FAST)
-def stick_share(body, fingers, r_x, r_y, angle, theta, a_x, a_y, alpha):
-    """Share of the friction that an object needs to go with the hand, eq. (17)."""
-    c, s = np.cos(theta), np.sin(theta)
-    w_x, w_y = body[0] * a_x, body[0] * (a_y + GRAVITY)
-    f_x, f_y, m_z = c * w_x + s * w_y, -s * w_x + c * w_y, body[1] * alpha
-    if len(fingers) == 1 and fingers[0, 2] == 0.0 and fingers[0, 3] == 0.0:
-        spin = (m_z - r_x * f_y + r_y * f_x) / fingers[0, 1]
-        return np.sqrt(f_x * f_x + f_y * f_y + spin * spin) / fingers[0, 0]
-    places, axes = np.zeros((len(fingers), 3)), np.empty((len(fingers), 3))
-    c, s = np.cos(angle), np.sin(angle)
-    for i in range(len(fingers)):
-        places[i, 0] = r_x + c * fingers[i, 2] - s * fingers[i, 3]
-        places[i, 1] = r_y + s * fingers[i, 2] + c * fingers[i, 3]
-        axes[i, 0] = axes[i, 1] = fingers[i, 0]
-        axes[i, 2] = fingers[i, 0] * fingers[i, 1]
-    forces, direction = np.empty((len(fingers), 3)), np.empty(3)
-    ellipsoids, no_curves = np.full(len(fingers), -1), np.empty((0, 2, 3))
-    return certified_load(places, axes, ellipsoids, no_curves, np.array([f_x, f_y, m_z]), forces, direction)[0]
-
-
-@njit(**FAST)
-def phase_load(body, fingers, r, table):
-    """Largest load along a phase in which the object sticks, and at rest where it ends or begins."""
-    worst = 0.0
-    for row in table:
-        worst = max(worst, stick_share(body, fingers, r[0], r[1], r[2], row[2], row[6], row[7], row[8]))
-    return worst
-
-
-@njit(**FAST)
-def face_share(body, fingers, r_x, r_y, angle):
-    """How far out on the face the outermost finger is: one at its edge."""
-    c, s = np.cos(angle), np.sin(angle)
-    worst = 0.0
-    for i in range(len(fingers)):
-        x, y = r_x + c * fingers[i, 2] - s * fingers[i, 3], r_y + s * fingers[i, 2] + c * fingers[i, 3]
-        worst = max(worst, abs(x) / body[5], abs(y) / body[6])
-    return worst
-
-
-@njit(**FAST)
-def distance(a, b, rho):
-    """Length of a slide, a radian counting as ``rho``."""
-    x, y, angle = a[0] - b[0], a[1] - b[1], rho * (a[2] - b[2])
-    return np.sqrt(x * x + y * y + angle * angle)
-
-
-@njit(**FAST)
-def measure(body, r, ended, r_start, r_goal, rho):
-    """How a trial went: below one it came nearer, turned too little to be lost, and stayed on the face."""
-    if ended != STUCK:
-        return LOST
-    nearer = distance(r, r_goal, rho) / distance(r_start, r_goal, rho)
-    turned = abs(r[2] - r_goal[2]) / MOST_TURN_RAD
-    return max(nearer, turned, abs(r[0]) / body[5] - 1e-9, abs(r[1]) / body[6] - 1e-9)
-
-
-@njit(**FAST)
-def tried(breaks, coefficients, jumps, body, ratio, tolerance, r_start, r):
-    """How one trial of a lone finger with ``ratio`` times the friction ends; ``r`` receives where."""
-    r[:] = r_start
-    force, length, width = ratio * body[2], 2.0 * body[5], 2.0 * body[6]
-    told = run_trial(
-        breaks,
-        coefficients,
-        jumps,
-        None,
-        body[0],
-        body[1],
-        force,
-        body[3],
-        length,
-        width,
-        tolerance,
-        REST_S,
-        r,
-        np.empty((0, 7)),
-    )
-    return told[0]
-
-
-@njit(**FAST)
-def worst_of_two(breaks, coefficients, jumps, body, r_start, r_goal, error, r):
-    """Worse measure of a trial with that much less friction and one with that much more."""
-    worst = 0.0
-    for ratio in (1.0 - error, 1.0 + error):
-        ended = tried(breaks, coefficients, jumps, body, ratio, SEARCH_TOLERANCE_M, r_start, r)
-        worst = max(worst, measure(body, r, ended, r_start, r_goal, body[3]))
-    return worst
-
-
-@njit(**FAST)
-def error_survived(breaks, coefficients, jumps, body, r_start, r_goal, most, guess):
-    """Largest friction error both ways that a lone finger's trial survives, interpolated between steps from a guess."""
-    r = np.empty(3)
-    error = min(max(guess, ERROR_STEP), most)
-    worst = worst_of_two(breaks, coefficients, jumps, body, r_start, r_goal, error, r)
-    way = 1.0 if worst < 1.0 else -1.0
-    while True:
-        last, before = worst, error
-        if way > 0.0 and error >= most - 1e-9:
-            return most
-        if way < 0.0 and error <= 1e-9:
-            return 0.0
-        error = min(most, max(0.0, error + way * ERROR_STEP))
-        worst = worst_of_two(breaks, coefficients, jumps, body, r_start, r_goal, error, r)
-        if (worst < 1.0) != (last < 1.0):
-            return before + (error - before) * (1.0 - last) / (worst - last)
-
-
-@njit(**FAST)
-def arm_share(arm, row):
-    """Largest share of a joint's range, speed or torque that a node asks of the arm, near the pose of ``arm``.
-
-    ``arm`` (ARM_ROWS, 7) is what :func:`slidepipe.arm.local_model.rows` makes.
-    """
-    x, y, angle = row[9] - arm[POSE, 0], row[10] - arm[POSE, 1], row[11] - arm[POSE, 2]
-    worst = 0.0
-    for joint in range(arm.shape[1]):
-        q = arm[ANGLES, joint] + arm[0, joint] * x + arm[1, joint] * y + arm[2, joint] * angle
-        speed = arm[0, joint] * row[12] + arm[1, joint] * row[13] + arm[2, joint] * row[14]
-        torque = arm[3, joint] * row[15] + arm[4, joint] * row[16] + arm[5, joint] * row[17] + arm[WEIGHT, joint]
-        drag = arm[DRY, joint] + arm[VISCOUS, joint] * abs(speed)
-        off = abs(q - arm[MIDDLE, joint]) / arm[HALF, joint]
-        worst = max(worst, off, abs(speed) / arm[SPEED, joint], (abs(torque) + drag) / arm[TORQUE, joint])
-        change = arm[0, joint] * row[15] + arm[1, joint] * row[16] + arm[2, joint] * row[17]
-        worst = max(worst, abs(change) / arm[ACCELERATION, joint])
-    v_x = arm[6, 0] * row[12] + arm[6, 1] * row[13] + arm[6, 2] * row[14]
-    v_y = arm[7, 0] * row[12] + arm[7, 1] * row[13] + arm[7, 2] * row[14]
-    v_z = arm[8, 0] * row[12] + arm[8, 1] * row[13] + arm[8, 2] * row[14]
-    return max(worst, np.sqrt(v_x * v_x + v_y * v_y + v_z * v_z) / arm[POSE, 3])
-
-
-@njit(**FAST)
 def over(value, bound):
     """By what share a value is beyond its bound."""
     return max(0.0, value / bound - 1.0)
 
 
 @njit(**FAST)
-def lay_out(choice, body, fingers, task, times, tables, nodes, integral, q_start, q_slide, dq_slide):
-    """Fill the nodes of the motion that a choice stands for, and the object's state where it starts and slides."""
-    even_velocity(body, fingers, task[1], task[2], times, choice[ANGLE], tables, nodes, integral, dq_slide)
-    for axis in range(3):
-        q_start[axis] = task[0, axis]
-        q_slide[axis] = task[0, axis] + 0.5 * times[STICK] * dq_slide[axis]
-    q_slide[2] = choice[ANGLE]
-    if task[4, 0] > 0.0:
-        q_start[2] = choice[ANGLE] - 0.5 * times[STICK] * dq_slide[2]
-    fill(body, fingers, task[1], task[2], times, q_start, q_slide, dq_slide, task[3], tables, nodes, integral)
-
-
-@njit(**FAST)
-def hand_figures(times, tables, limits, arm, figures):
-    """Figures of the hand and the arm: length, accelerations, speeds, how far off the middle of the workspace."""
+def hand_figures(times, tables, limits, figures):
+    """Figures of the hand: accelerations, speeds, how far off the middle of the workspace."""
     for phase in range(PHASES):
         if times[phase] <= 0.0:
             continue
-        figures[LENGTH_S] += times[phase]
         for row in tables[phase]:
             figures[HAND_ACCELERATION] = max(figures[HAND_ACCELERATION], np.hypot(row[15], row[16]))
             figures[HAND_SPEED] = max(figures[HAND_SPEED], np.hypot(row[12], row[13]))
             off = np.hypot(row[9] - limits[2], row[10] - limits[3])
             figures[OFF_CENTRE] = max(figures[OFF_CENTRE], off)
-            figures[ARM_SHARE] = max(figures[ARM_SHARE], arm_share(arm, row))
+
+
+@njit(**FAST)
+def arm_figure(times, tables, arm, offsets, figures):
+    """Largest share of the arm's limits that a motion asks."""
+    values = np.empty((OFFSETS, arm.shape[1]))
+    for phase in range(PHASES):
+        if times[phase] <= 0.0:
+            continue
+        for node in range(tables.shape[1]):
+            share = arm_share(arm, offsets[phase, node], tables[phase, node], values)
+            figures[ARM_SHARE] = max(figures[ARM_SHARE], share)
 
 
 @njit(**FAST)
@@ -255,7 +114,7 @@ def grip_figures(body, fingers, r_start, d, times, tables, figures):
 
 @njit(**FAST)
 def excess(figures, limits, bound, rest):
-    """By how much all limits together are broken; ``rest`` is the hand's last row."""
+    """By how much all limits together are broken, those not yet known left out; ``rest`` is the hand's last row."""
     return (
         over(figures[HAND_ACCELERATION], limits[0])
         + over(figures[HAND_SPEED], limits[1])
@@ -269,72 +128,92 @@ def excess(figures, limits, bound, rest):
 
 
 @njit(**FAST)
-def assess(choice, body, fingers, task, limits, arm, wish, nodes, integral, powers, figures):
-    """Fill ``figures`` for a choice.
-
-    ``task`` (5, 3): start pose of the object, r_start, d, end pose of the object (NaN where free), and (free angle,
-    -, -). ``limits`` (9,): hand acceleration and speed, workspace (x, y, radius), load while sticking, region (x, y,
-    radius). ``wish`` (WISHES,): weights of what is to be small or large, the friction error demanded and the most
-    that counts, and whether friction errors are simulated or taken from the formula of a straight slide.
-    """
-    N, times = len(nodes), np.zeros(PHASES)
-    tables, q_start, q_slide, dq_slide = np.empty((PHASES, N, COLUMNS)), np.empty(3), np.empty(3), np.empty(3)
-    read_choice(choice, times)
-    gripped, grip = fingers.copy(), body.copy()
-    gripped[:, 0] *= np.exp(choice[LOG_FORCE])
-    grip[2] *= np.exp(choice[LOG_FORCE])
-    r_start, d = task[1], task[2]
-    lay_out(choice, body, gripped, task, times, tables, nodes, integral, q_start, q_slide, dq_slide)
-    figures[:] = 0.0
-    hand_figures(times, tables, limits, arm, figures)
-    held = grip_figures(body, gripped, r_start, d, times, tables, figures)
-    figures[EXCESS] = excess(figures, limits, (1.0 - wish[DEMANDED]) * limits[5], tables[SETTLE, N - 1])
-    if figures[EXCESS] > 0.0:
-        figures[COST] = BREAKS_LIMITS + figures[EXCESS]
-        return
-    figures[ERROR] = min(wish[MOST], straight_error(grip, gripped, times, r_start + d, d, held))
-    if wish[SIMULATED] > 0.0:
-        breaks, coefficients, jumps = hand_pieces(times, tables, powers)
-        survived = error_survived(breaks, coefficients, jumps, grip, r_start, r_start + d, wish[MOST], figures[ERROR])
-        figures[ERROR] = min(survived, 1.0 - held)
-    if figures[ERROR] < wish[DEMANDED]:
-        figures[COST] = SURVIVES_TOO_LITTLE + wish[DEMANDED] - figures[ERROR]
-        return
-    figures[COST] = (
-        wish[FOR_TIME] * figures[LENGTH_S]
-        + wish[FOR_ACCELERATION] * figures[HAND_ACCELERATION] / ACCELERATION_UNIT
-        - wish[FOR_ERROR] * figures[ERROR]
-        + wish[FOR_LOAD] * (figures[LOAD_BEFORE] + figures[LOAD_AFTER])
-        + wish[FOR_FORCE] * abs(choice[LOG_FORCE])
-    )
+def hopeless(times, body, d, wish, simulated, beat):
+    """Whether a choice costs more than ``beat``, which does, for its durations alone."""
+    if beat >= SURVIVES_TOO_LITTLE:
+        return False
+    most = wish[MOST]
+    if not simulated:
+        # By the formula, with more friction than this it does not slide at all.
+        tear = 2.0 * straight_length(d, body[3]) / (times[TEAR] * (times[TEAR] + times[BRAKE]))
+        most = min(most, tear * body[0] / body[2])
+    return most < wish[DEMANDED] or wish[FOR_TIME] * np.sum(times) - wish[FOR_ERROR] * most >= beat
 
 
 @njit(**FAST)
-def straight_error(body, fingers, times, r_goal, d, held):
-    """Friction error that a straight slide survives, by formula.
+def survived(breaks, coefficients, jumps, body, task, wish, rest, beat):
+    """Friction error that simulated trials survive, -1 where that is too little to cost less than ``beat``.
 
-    With tearing and braking accelerations r_2 and r_3 and the friction's kappa, friction that is less by a share e
-    slides (1 + e kappa / r_2) / (1 - e kappa / r_3) times as far; it may slide twice as far, or to the edge of the
-    face. More friction by r_2 / kappa does not slide at all.
+    ``rest`` is what a choice costs beside.
     """
-    length = np.sqrt(d[0] * d[0] + d[1] * d[1] + (body[3] * d[2]) ** 2)
-    whole = times[TEAR] + times[BRAKE]
-    tear, brake = 2.0 * length / (times[TEAR] * whole), 2.0 * length / (times[BRAKE] * whole)
-    beyond, c, s = 1.0, np.cos(r_goal[2]), np.sin(r_goal[2])
-    for i in range(len(fingers)):
-        x = r_goal[0] + c * fingers[i, 2] - s * fingers[i, 3]
-        y = r_goal[1] + s * fingers[i, 2] + c * fingers[i, 3]
-        if d[0] != 0.0:
-            beyond = min(beyond, (body[5] - x * np.sign(d[0])) / abs(d[0]))
-        if d[1] != 0.0:
-            beyond = min(beyond, (body[6] - y * np.sign(d[1])) / abs(d[1]))
-    kappa = body[2] / body[0]
-    less = max(0.0, beyond) / (kappa * (1.0 / tear + (1.0 + beyond) / brake))
-    return min(less, tear / kappa, 1.0 - held)
+    r_goal, least = task[1] + task[2], wish[DEMANDED]
+    if beat < SURVIVES_TOO_LITTLE and wish[FOR_ERROR] > 0.0:
+        least = max(least, (rest - beat) / wish[FOR_ERROR])
+    if least > wish[MOST]:
+        return -1.0
+    found = error_survived(breaks, coefficients, jumps, body, task[1], r_goal, least, wish[MOST])
+    if found < 0.0 and beat >= SURVIVES_TOO_LITTLE:
+        found = max(0.0, error_survived(breaks, coefficients, jumps, body, task[1], r_goal, 0.0, least))
+    return found
+
+
+@njit(**FAST)
+def assess(choice, problem, simulated, beat, figures):
+    """Fill ``figures`` for a choice; one that cannot cost less than ``beat`` may be given up with an infinite cost.
+
+    ``problem`` is (body, fingers, task, limits, arm, offsets, wish, nodes, integral, powers). ``task`` (5, 3): start
+    pose of the object, r_start, d, end pose of the object (NaN where free), and (free angle, -, -). ``limits`` (9,):
+    hand acceleration and speed, workspace (x, y, radius), load while sticking, region (x, y, radius). ``arm`` and
+    ``offsets`` are those of :mod:`slidepipe.planning.arm_kernel`, the latter node by node. ``wish`` (WISHES,): weights
+    of what is to be small or large, the friction error demanded and the most that counts. Friction errors are
+    ``simulated`` or taken from the formula of a straight slide.
+    """
+    body, fingers, task, limits, arm, offsets, wish, nodes, integral, powers = problem
+    N, times = len(nodes), np.zeros(PHASES)
+    read_choice(choice, times)
+    gripped, grip, force = fingers.copy(), body.copy(), force_share(choice)
+    gripped[:, 0] *= force
+    grip[2] *= force
+    figures[:] = 0.0
+    figures[COST], figures[LENGTH_S] = np.inf, np.sum(times)
+    if hopeless(times, grip, task[2], wish, simulated, beat):
+        return
+    tables, q_start, q_slide, dq_slide = np.empty((PHASES, N, COLUMNS)), np.empty(3), np.empty(3), np.empty(3)
+    angle = choice[ANGLE]
+    fill_evenly(grip, gripped, task, angle, times, tables, nodes, integral, q_start, q_slide, dq_slide)
+    bound, last = (1.0 - wish[DEMANDED]) * limits[5], tables[SETTLE, N - 1]
+    hand_figures(times, tables, limits, figures)
+    if excess(figures, limits, bound, last) > max(0.0, beat - BREAKS_LIMITS):
+        return
+    arm_figure(times, tables, arm, offsets, figures)
+    if excess(figures, limits, bound, last) > max(0.0, beat - BREAKS_LIMITS):
+        return
+    held = grip_figures(grip, gripped, task[1], task[2], times, tables, figures)
+    figures[EXCESS] = excess(figures, limits, bound, last)
+    if figures[EXCESS] > 0.0:
+        figures[COST] = BREAKS_LIMITS + figures[EXCESS]
+        return
+    rest = (
+        wish[FOR_TIME] * figures[LENGTH_S]
+        + wish[FOR_ACCELERATION] * figures[HAND_ACCELERATION] / ACCELERATION_UNIT
+        + wish[FOR_LOAD] * (figures[LOAD_BEFORE] + figures[LOAD_AFTER])
+        + wish[FOR_FORCE] * abs(choice[LOG_FORCE])
+    )
+    if simulated:
+        breaks, coefficients, jumps = hand_pieces(times, tables, powers)
+        figures[ERROR] = min(survived(breaks, coefficients, jumps, grip, task, wish, rest, beat), 1.0 - held)
+        if figures[ERROR] < 0.0:
+            return
+    else:
+        figures[ERROR] = min(wish[MOST], straight_error(grip, gripped, times, task[1] + task[2], task[2], held))
+    if figures[ERROR] < wish[DEMANDED]:
+        figures[COST] = SURVIVES_TOO_LITTLE + wish[DEMANDED] - figures[ERROR]
+        return
+    figures[COST] = rest - wish[FOR_ERROR] * figures[ERROR]
 
 
 @njit(parallel=True, **FAST)
-def assess_all(choices, body, fingers, task, limits, arm, wish, nodes, integral, powers, figures):
-    """Assess many choices (S, CHOICES) on all cores; ``figures`` (S, FIGURES)."""
+def assess_all(choices, problem, simulated, beat, figures):
+    """Assess many choices (S, CHOICES) on all cores, each against ``beat``; ``figures`` (S, FIGURES)."""
     for index in prange(len(choices)):
-        assess(choices[index], body, fingers, task, limits, arm, wish, nodes, integral, powers, figures[index])
+        assess(choices[index], problem, simulated, beat, figures[index])

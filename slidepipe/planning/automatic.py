@@ -12,9 +12,10 @@ from slidepipe.arm.model import nominal_model
 from slidepipe.errors import InfeasibleError
 from slidepipe.mechanics.planar import finger_pose
 from slidepipe.planning import assess_kernel as kernel
+from slidepipe.planning.arm_along import ArmAsked
 from slidepipe.planning.course import Course
 from slidepipe.planning.planner import Plan, Setup, follow, grip_checks
-from slidepipe.planning.search import Found, Search, Task, scaled
+from slidepipe.planning.search import FORCE_FIRST, Found, Search, Task, scaled
 from slidepipe.planning.survival import Survival, survival
 from slidepipe.planning.wish import Wish
 from slidepipe.series import FloatArray
@@ -23,9 +24,20 @@ WHOLE_RANGE_RAD = np.array([0.5 * (link.range_rad[1] - link.range_rad[0]) for li
 ATTEMPTS = 8
 """How often the arm's local model is corrected by the arm itself."""
 TO_SPARE = 0.97
-"""Of a limit that the arm broke, beside what its first order missed; much less, and the search ends elsewhere."""
+"""Of a limit that the arm broke between those places; much less, and the search ends elsewhere."""
+AIM = 0.99
+"""Of the arm's limits, once what its first order misses is known: the motion still changes a little."""
 SHRINK = 0.8
-"""Of the joints' ranges and the workspace, where the arm cannot reach."""
+"""Of how far the hand went, where the arm cannot follow."""
+EASIER = 0.95
+"""Of the arm's limits, where what it missed led nowhere."""
+BINDING, ROOM, PATIENCE = 0.97, 0.9, 2
+"""Share of the arm's limits from which on they hold the search back, and below which they wrongly did; and how often
+it goes on for that alone."""
+ALIKE = 1e-3
+"""Friction errors that differ by less are the same."""
+NEARER = (1.0, 0.9, 0.7, 0.5)
+"""Of the way to the nearest goal that the search alone can reach, where the arm takes part."""
 HALVINGS = 5
 """How finely the nearest goal that can be reached is told."""
 WIDEST_FORCE = (0.1, 10.0)
@@ -35,8 +47,9 @@ WIDEST_FORCE = (0.1, 10.0)
 def plan_automatically(task: Task, setup: Setup, wish: Wish) -> Plan:
     """Find the best motion for a wish.
 
-    The arm takes part in the search as its first order about the start; where the arm itself, asked along the motion
-    that was found, breaks a limit, that limit is tightened in the first order and the search goes on.
+    The arm takes part in the search as its second order about the start. The arm itself is then asked at a few places
+    along the motion that was found; where it breaks a limit, the search goes on from there and knows what the second
+    order missed. Only a motion that does is followed tick by tick.
 
     Parameters
     ----------
@@ -51,26 +64,90 @@ def plan_automatically(task: Task, setup: Setup, wish: Wish) -> Plan:
         No motion is found: the limits that conflict in the one that comes nearest, each with its value, its bound and
         the time, and the nearest goal or grip force for which there is one.
     """
-    arm, refusal = local_arm(task, setup), None
-    for _ in range(ATTEMPTS):
-        search = Search(task, setup, wish, arm)
-        found = search.best()
-        if not found.feasible:
-            break
-        try:
-            chosen = follow(search.course(found), _with_force(setup, found.force))
-        except InfeasibleError as out_of_reach:
-            refusal = out_of_reach
-            arm = arm.tightened(half=np.full(7, SHRINK))
-            continue
-        broken = [str(check) for check in (*chosen.margins, *chosen.limits) if not check.satisfied]
-        if not broken:
+    seeking = _Seeking(task, setup, wish)
+    chosen = seeking.plan()
+    if chosen is not None:
+        return chosen
+    raise InfeasibleError(*seeking.conflicts(), *_nearest(seeking))
+
+
+class _Seeking:
+    """The search and the arm in turns: each knows more of the other with every attempt."""
+
+    def __init__(self, task: Task, setup: Setup, wish: Wish) -> None:
+        self.task, self.setup, self.wish, self.arm = task, setup, wish, local_arm(task, setup)
+        self._asked = ArmAsked(nominal_model(setup.tool), setup.posture_rad, setup.plane)
+        self._offsets: FloatArray | None = None
+        self._near: FloatArray | None = None
+        self._refusal: list[str] = []
+        self._patience = PATIENCE
+        self._within = setup
+        """With the workspace that the arm has been found to reach."""
+
+    def plan(self) -> Plan | None:
+        """The first motion that keeps every limit, or None."""
+        for attempt in range(ATTEMPTS):
+            self._search = Search(
+                self.task, self._within, self.wish, self.arm.tightened_evenly(AIM), offsets=self._offsets
+            )
+            self._found = self._search.best(self._near)
+            if not self._found.feasible:
+                if not self._start_afresh():
+                    return None
+                continue
+            try:
+                chosen = self._followed(last=attempt == ATTEMPTS - 1)
+            except InfeasibleError as out_of_reach:
+                self._reach_less(out_of_reach)
+                continue
+            if chosen is not None:
+                return chosen
+        return None
+
+    def _start_afresh(self) -> bool:
+        """Forget where the last search ended, then what its arm missed; whether there was anything to forget."""
+        if self._near is None and self._offsets is None:
+            return False
+        if self._near is None:
+            self._offsets, self.arm = None, self.arm.tightened_evenly(EASIER)
+        self._near = None
+        return True
+
+    def _reach_less(self, refusal: InfeasibleError) -> None:
+        self._refusal, self._near, self._offsets = list(refusal.lines), None, None
+        radius = SHRINK * float(self._found.figures[kernel.OFF_CENTRE])
+        self._within = replace(self._within, limits=replace(self._within.limits, workspace_radius_m=radius))
+
+    def _followed(self, *, last: bool) -> Plan | None:
+        """The plan of what was found if it keeps every limit; else the next search knows what it missed."""
+        found, offsets = self._found, self._offsets
+        if offsets is None:
+            offsets = self._search.no_offsets()
+        along = self._asked.along(self.arm, offsets, *self._search.nodes(found))
+        self._offsets, self._near = along.offsets, found.population
+        knowing = Search(self.task, self.setup, self.wish, self.arm, offsets=along.offsets)
+        share = float(knowing.assess(found.choice[None])[0, kernel.ARM_SHARE])
+        if not last and share > 1.0:
+            return None
+        held_back = found.figures[kernel.ARM_SHARE] > BINDING and share < ROOM
+        if held_back and self._patience > 0:
+            self._patience -= 1
+            return None
+        chosen = follow(self._search.course(found), _with_force(self.setup, found.force), along.near)
+        self._refusal = [str(check) for check in (*chosen.margins, *chosen.limits) if not check.satisfied]
+        if not self._refusal and chosen.survival.friction_error >= self.wish.friction_error - ALIKE:
             return chosen
-        refusal = InfeasibleError(*broken)
-        arm = _tightened(arm, chosen)
-    if refusal is not None:
-        raise InfeasibleError(*refusal.lines, ARM_WORDS)
-    raise InfeasibleError(*_conflicts(search, found), *_nearest(search))
+        if not self._refusal:
+            self._refusal = [_too_little(chosen.survival, self.wish.friction_error)]
+            self._near = None
+        self.arm = _tightened(self.arm, chosen)
+        return None
+
+    def conflicts(self) -> list[str]:
+        """What is in the way, after a plan was not found."""
+        if self._refusal:
+            return [*self._refusal, ARM_WORDS]
+        return _conflicts(self._search, self._found)
 
 
 ARM_WORDS = "no gentler motion does better: move arm.plane, change arm.posture_rad or raise arm.limits"
@@ -131,13 +208,13 @@ def _conflicts(search: Search, found: Found) -> list[str]:
 
 
 def _arm_conflicts(course: Course, setup: Setup, share: float) -> list[str]:
-    """What the arm says of a course; ``share`` is what its first order took it to ask of a limit."""
+    """What the arm says of a course; ``share`` is what its second order took it to ask of a limit."""
     try:
         broken = [str(check) for check in follow(course, setup).limits if not check.satisfied]
     except InfeasibleError as out_of_reach:
         return list(out_of_reach.lines)
     if share > 1.0 and not broken:
-        broken = [f"arm: {share:.3g} times a joint's limit, to first order about the start, beyond 1"]
+        broken = [f"arm: {share:.3g} times a joint's limit, to second order about the start, beyond 1"]
     return broken
 
 
@@ -146,22 +223,28 @@ def _too_little(outcome: Survival, asked: float) -> str:
     return f"friction error survived: {outcome.friction_error:.3g}, less than {asked:.3g} that is asked: there {why}"
 
 
-def _nearest(search: Search) -> Iterator[str]:
-    """The nearest goal and the nearest grip force for which there is a motion."""
+def _nearest(seeking: _Seeking) -> Iterator[str]:
+    """The nearest goal and the nearest grip force for which there is a motion, each planned to the end."""
+    task, setup, wish = seeking.task, seeking.setup, seeking.wish
     low, high = 0.0, 1.0
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        nearer = Search(scaled(search.task, middle), search.setup, search.wish, search.arm)
+        nearer = Search(scaled(task, middle), setup, wish, seeking.arm)
         low, high = (middle, high) if nearer.best().feasible else (low, middle)
-    if low > 0.0:
-        r = scaled(search.task, low).r_goal
+    for share in low * np.array(NEARER) if low > 0.0 else ():
+        goal = scaled(task, float(share))
+        if _Seeking(goal, setup, wish).plan() is None:
+            continue
+        r = goal.r_goal
         yield (
-            f"nearest goal on the way: {100 * low:.0f} % of it, the finger at "
+            f"nearest goal on the way: {100 * share:.0f} % of it, the finger at "
             f"[{1e3 * r[0]:.2f} mm, {1e3 * r[1]:.2f} mm, {1e3 * r[2]:.1f} mrad] in the body frame"
         )
-    wide = replace(search.wish, force_range=WIDEST_FORCE)
-    for_force = Search(search.task, search.setup, wide, search.arm, nearest_force=True)
+        break
+    for_force = Search(task, setup, replace(wish, force_range=WIDEST_FORCE), seeking.arm)
+    for_force.weights[kernel.FOR_FORCE] = FORCE_FIRST
     found = for_force.best()
-    if found.feasible:
-        force = found.force * search.setup.finger.f_N
-        yield f"nearest normal force: {force:.3g} N of all fingers together, instead of {search.setup.finger.f_N:.3g} N"
+    held = replace(wish, force_range=(found.force, found.force))
+    if found.feasible and _Seeking(task, setup, held).plan() is not None:
+        force = found.force * setup.finger.f_N
+        yield f"nearest normal force: {force:.3g} N of all fingers together, instead of {setup.finger.f_N:.3g} N"

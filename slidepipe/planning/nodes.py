@@ -23,11 +23,14 @@ class Nodes:
         From values at the points to the integral from zero to each of them.
     powers : (N, N)
         From values at the points to coefficients of powers, the constant first.
+    rate : (N, N)
+        From values at the points to their rates there.
     """
 
     points: FloatArray
     integral: FloatArray
     powers: FloatArray
+    rate: FloatArray
 
 
 @cache
@@ -46,4 +49,5 @@ def nodes(count: int) -> Nodes:
     coefficients = np.linalg.inv(chebyshev.chebvander(2.0 * points - 1.0, count - 1))
     antiderivatives = 0.5 * chebyshev.chebint(coefficients, lbnd=-1.0)
     integral = chebyshev.chebvander(2.0 * points - 1.0, count) @ antiderivatives
-    return Nodes(points, np.ascontiguousarray(integral), np.ascontiguousarray(powers))
+    rate = 2.0 * chebyshev.chebvander(2.0 * points - 1.0, count - 2) @ chebyshev.chebder(coefficients)
+    return Nodes(*(np.ascontiguousarray(values, dtype=float) for values in (points, integral, powers, rate)))

@@ -1,6 +1,6 @@
 """From a course to a motion of the arm, with every limit checked."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 import mujoco
@@ -107,12 +107,15 @@ def plan_course(course: Course, setup: Setup) -> Plan:
     return chosen
 
 
-def follow(course: Course, setup: Setup) -> Plan:
-    """The plan of a course, whether or not it keeps the limits; raises InfeasibleError where the arm cannot reach."""
+def follow(course: Course, setup: Setup, near: Callable[[FloatArray], FloatArray] | None = None) -> Plan:
+    """The plan of a course, whether or not it keeps the limits; raises InfeasibleError where the arm cannot reach.
+
+    ``near`` may tell joint angles (T, 7) near the right ones at times (T,) of one phase.
+    """
     motion = CourseMotion(course, setup.block, setup.fingers)
     sampled = motion.sample(_ticks(course))
     model = nominal_model(setup.tool)
-    joints = _joints(model, motion, setup, sampled.time_s)
+    joints = _joints(model, motion, setup, sampled.time_s, near)
     carrying = with_wrench(arm_load(model, joints), model, joints, _carried(motion, sampled.time_s, setup))
     load = beside_joint_control(carrying, joints)
     return Plan(
@@ -127,7 +130,13 @@ def follow(course: Course, setup: Setup) -> Plan:
     )
 
 
-def _joints(model: mujoco.MjModel, motion: CourseMotion, setup: Setup, time_s: FloatArray) -> JointPath:
+def _joints(
+    model: mujoco.MjModel,
+    motion: CourseMotion,
+    setup: Setup,
+    time_s: FloatArray,
+    near: Callable[[FloatArray], FloatArray] | None,
+) -> JointPath:
     """Joint motion with the posture as it is wished, else drawn towards the middle of the joints' ranges.
 
     Where a joint meets its limit on the way, the posture nearest to the wished one turns a corner.
@@ -141,6 +150,7 @@ def _joints(model: mujoco.MjModel, motion: CourseMotion, setup: Setup, time_s: F
                 lambda at_s: _hand_path(motion, setup, at_s),
                 time_s,
                 motion.course.boundaries,
+                near=near if pull == PULLS[0] else None,
             )
         except InfeasibleError as refusal:
             refusals.append(refusal)

@@ -157,13 +157,19 @@ def slide_and_catch(body, fingers, r_start, d, times, q, dq, tables, nodes, inte
 @njit(**FAST)
 def fill(body, fingers, r_start, d, times, q_start, q_slide, dq_slide, q_end, tables, nodes, integral):
     """Fill all phases (PHASES, N, COLUMNS) of a motion; ``q_end`` is NaN where the settling decelerates evenly."""
-    q, dq, still = q_start.copy(), np.zeros(3), np.zeros(3)
+    q, dq = q_start.copy(), np.zeros(3)
     stick_phase(r_start, d, 0.0, times[STICK], q, dq, q_slide, dq_slide, tables[STICK], nodes)
     slide_and_catch(body, fingers, r_start, d, times, q, dq, tables, nodes, integral)
+    settle(r_start, d, times, q_end, q, dq, tables, nodes)
+
+
+@njit(**FAST)
+def settle(r_start, d, times, q_end, q, dq, tables, nodes):
+    """Fill the last phase from the object's state at its start, to rest at ``q_end``, or evenly where that is NaN."""
     stop = np.empty(3)
     for axis in range(3):
         stop[axis] = q_end[axis] if q_end[axis] == q_end[axis] else q[axis] + 0.5 * times[SETTLE] * dq[axis]
-    stick_phase(r_start, d, 1.0, times[SETTLE], q, dq, stop, still, tables[SETTLE], nodes)
+    stick_phase(r_start, d, 1.0, times[SETTLE], q, dq, stop, np.zeros(3), tables[SETTLE], nodes)
 
 
 @njit(**FAST)
@@ -180,15 +186,68 @@ def change(body, fingers, r_start, d, times, theta, omega, tables, nodes, integr
 
 
 @njit(**FAST)
-def even_velocity(body, fingers, r_start, d, times, theta, tables, nodes, integral, dq):
-    """Velocity at the start of sliding for which the object accelerates the same while sticking before and after."""
+def spin_gained(body, fingers, r_start, d, times, nodes, integral):
+    """Spin that an object gains over a slide and catch, whatever it had: its torque depends on ``s`` alone."""
+    N, T2, T3 = len(nodes), times[TEAR], times[BRAKE]
+    tear = 2.0 / (T2 * (T2 + T3))
+    s, ds, dds, gained, last = 0.0, 0.0, tear, 0.0, 0.0
+    for T in (T2, T3):
+        for i in range(N):
+            t = T * nodes[i]
+            at = s + t * (ds + 0.5 * t * dds)
+            last = slide_wrench(fingers, d, r_start[0] + at * d[0], r_start[1] + at * d[1], r_start[2] + at * d[2])[2]
+            gained += T * integral[N - 1, i] * last / body[1]
+        s += T * (ds + 0.5 * T * dds)
+        ds += T * dds
+        dds = -ds / T3
+    return gained + times[CATCH] * (last / body[1] - tear * T2 / T3 * d[2])
+
+
+@njit(**FAST)
+def fill_evenly(body, fingers, task, angle, times, tables, nodes, integral, q_start, q_slide, dq_slide):
+    """Fill all phases of a motion for which the object accelerates the same while sticking before and after.
+
+    ``angle`` is the object's at the start of sliding; ``task`` (5, 3) holds its start pose, r_start, d, its end pose
+    (NaN where the settling decelerates evenly) and whether its angle at the start is free. The object's pose at the
+    start, and its pose and velocity when it slides, are returned in ``q_start``, ``q_slide`` and ``dq_slide``.
+    """
     share = times[STICK] / (times[STICK] + times[SETTLE])
-    moved, gained = np.empty(3), np.empty(3)
-    # The spin gained does not depend on the spin at the start.
-    change(body, fingers, r_start, d, times, theta, 0.0, tables, nodes, integral, moved, gained)
-    dq[2] = -share * gained[2]
-    change(body, fingers, r_start, d, times, theta, dq[2], tables, nodes, integral, moved, gained)
-    dq[0], dq[1] = -share * gained[0], -share * gained[1]
+    dq_slide[2] = -share * spin_gained(body, fingers, task[1], task[2], times, nodes, integral)
+    q, dq = np.array([0.0, 0.0, angle]), np.array([0.0, 0.0, dq_slide[2]])
+    slide_and_catch(body, fingers, task[1], task[2], times, q, dq, tables, nodes, integral)
+    for axis in range(3):
+        if axis < 2:
+            dq_slide[axis] = -share * dq[axis]
+        q_start[axis] = task[0, axis]
+        q_slide[axis] = task[0, axis] + 0.5 * times[STICK] * dq_slide[axis]
+    q_slide[2] = angle
+    if task[4, 0] > 0.0:
+        q_start[2] = angle - 0.5 * times[STICK] * dq_slide[2]
+    move(times, q_slide, dq_slide, q, dq, tables, nodes)
+    settle(task[1], task[2], times, task[3], q, dq, tables, nodes)
+    q[:], dq[:] = q_start, 0.0
+    stick_phase(task[1], task[2], 0.0, times[STICK], q, dq, q_slide, dq_slide, tables[STICK], nodes)
+
+
+@njit(**FAST)
+def move(times, q_slide, dq_slide, q, dq, tables, nodes):
+    """Give a slide and catch, filled from rest at the origin, their place and velocity; ``q``, ``dq`` at their end."""
+    before = 0.0
+    for phase in (TEAR, BRAKE, CATCH):
+        if times[phase] <= 0.0:
+            continue
+        for i in range(len(nodes)):
+            row, t = tables[phase, i], before + times[phase] * nodes[i]
+            for axis in range(2):
+                moved = q_slide[axis] + t * dq_slide[axis]
+                row[axis] += moved
+                row[3 + axis] += dq_slide[axis]
+                row[9 + axis] += moved
+                row[12 + axis] += dq_slide[axis]
+        before += times[phase]
+    for axis in range(2):
+        q[axis] += q_slide[axis] + before * dq_slide[axis]
+        dq[axis] += dq_slide[axis]
 
 
 @njit(**FAST)

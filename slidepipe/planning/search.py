@@ -1,19 +1,19 @@
 """The search for a course: a population of choices, each assessed in some microseconds by the compiled motion.
 
 First with the friction error of a straight slide's formula, which is rough and cheap; then, from the best of these,
-with the error that simulated trials survive. Differential evolution by scipy, whole generations at a time on all
-cores.
+with the error that simulated trials survive. Islands evolve by themselves on all cores, hand their best on to their
+neighbours now and then, and end when they agree; the best choice of all is polished on the grid of durations.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import differential_evolution
 
 from slidepipe.arm.local_model import LocalModel
 from slidepipe.mechanics.planar import object_pose
 from slidepipe.planning import assess_kernel as kernel
-from slidepipe.planning import profile_kernel
+from slidepipe.planning import evolve_kernel, profile_kernel
+from slidepipe.planning.arm_kernel import OFFSETS
 from slidepipe.planning.course import Course, finger_rows, lone
 from slidepipe.planning.nodes import COARSE, FINE, nodes
 from slidepipe.planning.planner import Setup
@@ -24,16 +24,16 @@ STICK_S, SLIDE_S = (0.1, 1.2), (0.02, 0.6)
 """Shortest and longest sticking phase, and tear."""
 BRAKE_SHARE, CATCH_SHARE = (0.1, 2.5), (0.0, 1.0)
 """Of the tear's duration."""
-FORCE_DIGITS = 4
-"""Of the normal force beside the believed one: nobody sets a gripper finer."""
-TO_MOVE = 1e-12
-"""What is not free still needs a range for scipy."""
 SEED = 1
-ROUGH_SIZE, ROUGH_ROUNDS = 64, 40
-FINAL_SIZE, FINAL_ROUNDS = 48, 40
-MUTATION, RECOMBINATION = (0.4, 0.9), 0.85
+ISLANDS, SIZE = 2, 24
+EPOCH, EPOCHS, FINAL_EPOCHS = 8, 10, 4
+"""Rounds between two exchanges of the islands' best, and how many exchanges at most."""
+CLOSE = 1e-3
+"""Costs that differ by less are alike."""
 KEPT, LOOSE = 8, 0.08
-"""How many of the best stay as they are between the two searches, and by what share of their range the others move."""
+"""How many of the best stay as they are between two searches, and by what share of their range the others move."""
+ELSEWHERE = 16
+"""How many choices of the second search begin anywhere."""
 MOST_ERROR = 0.7
 """Friction errors beyond do not count."""
 SMALL, SMALL_TIME = 1e-3, 0.02
@@ -59,11 +59,15 @@ class Task:
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """The best choice of a search, its figures as ``assess_kernel`` numbers them, and what they were asked to be."""
+    """The best choice of a search, its figures as ``assess_kernel`` numbers them, and what they were asked to be.
+
+    ``population`` (S, CHOICES) is where a search of a task that is nearly the same may begin, the best first.
+    """
 
     choice: FloatArray
     figures: FloatArray
     bounds: FloatArray
+    population: FloatArray
 
     @property
     def feasible(self) -> bool:
@@ -78,7 +82,7 @@ class Found:
     @property
     def force(self) -> float:
         """Normal force beside the believed one."""
-        return float(np.round(np.exp(self.choice[kernel.LOG_FORCE]), FORCE_DIGITS))
+        return float(kernel.force_share(self.choice))
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,10 +93,26 @@ class _Evolved:
     cost: float
 
 
-class Search:
-    """A task with all that its choices are assessed by."""
+@dataclass(frozen=True, slots=True)
+class _LaidOut:
+    """A choice's durations, its motion at nodes, and the object's state at the start and when it slides."""
 
-    def __init__(self, task: Task, setup: Setup, wish: Wish, arm: LocalModel, *, nearest_force: bool = False) -> None:
+    times: FloatArray
+    tables: FloatArray
+    q_start: FloatArray
+    q_slide: FloatArray
+    dq_slide: FloatArray
+
+
+class Search:
+    """A task with all that its choices are assessed by.
+
+    ``offsets`` (PHASES, COARSE, OFFSETS, 7) is what the arm's local model misses node by node, where that is known.
+    """
+
+    def __init__(
+        self, task: Task, setup: Setup, wish: Wish, arm: LocalModel, *, offsets: FloatArray | None = None
+    ) -> None:
         self.task, self.setup, self.wish, self.arm = task, setup, wish, arm
         block, finger, limits = setup.block, setup.finger, setup.limits
         self._fingers = finger_rows(setup.fingers)
@@ -100,41 +120,71 @@ class Search:
             [block.m, block.inertia, finger.mu * finger.f_N, finger.c * finger.a, 1.0, *setup.half_size_m]
         )
         self._task = np.array(_task_rows(task, wish), dtype=float)
-        self._arm = arm.rows()
         self.limits = np.array(
             [limits.hand_acceleration_m_s2, limits.tip_speed_m_s, *limits.workspace_centre_m,
              limits.workspace_radius_m, limits.stick_load, *limits.region_centre_m, limits.region_radius_m]
         )  # fmt: skip
-        self._wish = _wish_row(wish)
-        if nearest_force:
-            self._wish[kernel.FOR_FORCE] = FORCE_FIRST
+        self.weights, grid = _wish_row(wish), nodes(COARSE)
+        missed = self.no_offsets() if offsets is None else offsets
+        self._problem = (
+            self._body, self._fingers, self._task, self.limits, arm.rows(), missed, self.weights,
+            grid.points, grid.integral, grid.powers,
+        )  # fmt: skip
 
-    def best(self) -> Found:
-        """Search twice, roughly and then in earnest."""
-        rough = self._evolve(self._sobol(), ROUGH_ROUNDS, simulated=0.0)
+    @staticmethod
+    def no_offsets() -> FloatArray:
+        """Offsets of an arm whose local model misses nothing."""
+        return np.zeros((profile_kernel.PHASES, COARSE, OFFSETS, 7))
+
+    def best(self, near: FloatArray | None = None) -> Found:
+        """Search twice, roughly and then in earnest; from ``near``, a population of a search much like this one."""
+        rough = self._evolve(self._anywhere() if near is None else self._loosened(near), EPOCHS, simulated=False)
         if not lone(self.setup.fingers) or rough.cost >= kernel.BREAKS_LIMITS:
-            return self.found(rough.population[0], simulated=0.0)
-        start = self._loosened(rough.population[:FINAL_SIZE])
-        return self.found(self._evolve(start, FINAL_ROUNDS, simulated=1.0).population[0], simulated=1.0)
+            return self._polished(rough, simulated=False)
+        start = self._loosened(rough.population)
+        # The formula is that of a straight slide: what is best for one that turns may be elsewhere.
+        start[-ELSEWHERE:] = self._anywhere()[-ELSEWHERE:]
+        final = self._evolve(start, FINAL_EPOCHS, simulated=True)
+        return self._polished(final, simulated=True)
 
-    def found(self, choice: FloatArray, *, simulated: float) -> Found:
-        """A choice with its figures."""
-        return Found(np.array(choice), self.assess(np.atleast_2d(choice), simulated)[0], self.limits)
+    def rough(self) -> Found:
+        """Search by the formula of a straight slide alone."""
+        return self._polished(self._evolve(self._anywhere(), EPOCHS, simulated=False), simulated=False)
+
+    def _polished(self, evolved: _Evolved, *, simulated: bool) -> Found:
+        choice = evolved.population[0].copy()
+        evolve_kernel.polish(choice, evolved.cost, self._problem, simulated, *self.bounds)
+        figures = self.assess(choice[None], simulated=simulated)[0]
+        return Found(choice, figures, self.limits, np.vstack([choice, evolved.population[:-1]]))
 
     def course(self, found: Found) -> Course:
         """The course that a choice stands for."""
-        times, grid = np.zeros(profile_kernel.PHASES), nodes(FINE)
-        kernel.read_choice(found.choice, times)
-        q_start, q_slide, dq_slide, q_end = (np.empty(3) for _ in range(4))
-        fingers = self._fingers.copy()
-        fingers[:, 0] *= found.force
-        tables = np.empty((profile_kernel.PHASES, FINE, profile_kernel.COLUMNS))
-        kernel.lay_out(
-            found.choice, self._body, fingers, self._task, times, tables, grid.points, grid.integral,
-            q_start, q_slide, dq_slide,
+        laid = self._laid_out(found, FINE)
+        q_end = laid.tables[profile_kernel.SETTLE, -1, :3].copy()
+        times = (float(duration) for duration in laid.times)
+        return Course(
+            laid.q_start, laid.q_slide, laid.dq_slide, q_end, self.task.r_start, self.task.r_goal, *times
         )  # fmt: skip
-        q_end = tables[profile_kernel.SETTLE, -1, :3].copy()
-        return Course(q_start, q_slide, dq_slide, q_end, self.task.r_start, self.task.r_goal, *times)
+
+    def nodes(self, found: Found) -> tuple[FloatArray, FloatArray]:
+        """Durations (PHASES,) of a choice, and its motion at the search's nodes, (PHASES, COARSE, COLUMNS)."""
+        laid = self._laid_out(found, COARSE)
+        return laid.times, laid.tables
+
+    def _laid_out(self, found: Found, count: int) -> "_LaidOut":
+        grid, fingers = nodes(count), self._fingers.copy()
+        fingers[:, 0] *= found.force
+        laid = _LaidOut(
+            np.zeros(profile_kernel.PHASES),
+            np.zeros((profile_kernel.PHASES, count, profile_kernel.COLUMNS)),
+            *(np.empty(3) for _ in range(3)),
+        )
+        kernel.read_choice(found.choice, laid.times)
+        profile_kernel.fill_evenly(
+            self._body, fingers, self._task, found.choice[kernel.ANGLE], laid.times, laid.tables, grid.points,
+            grid.integral, laid.q_start, laid.q_slide, laid.dq_slide,
+        )  # fmt: skip
+        return laid
 
     def _loosened(self, population: FloatArray) -> FloatArray:
         """A population that has converged, spread again but for its best few."""
@@ -143,40 +193,30 @@ class Search:
         random[:KEPT] = 0.0
         return np.clip(population + random, low, high)
 
-    def _sobol(self) -> FloatArray:
-        """A population that fills the bounds evenly."""
-        from scipy.stats import qmc  # noqa: PLC0415  # slow to import, and only here
-
+    def _anywhere(self) -> FloatArray:
         low, high = self.bounds
-        return np.asarray(qmc.scale(qmc.Sobol(len(low), rng=SEED).random(ROUGH_SIZE), low, high))
+        return low + (high - low) * np.random.default_rng(SEED).random((ISLANDS * SIZE, len(low)))
 
-    def _evolve(self, start: FloatArray, rounds: int, *, simulated: float) -> _Evolved:
+    def _evolve(self, start: FloatArray, epochs: int, *, simulated: bool) -> _Evolved:
         low, high = self.bounds
-        result = differential_evolution(
-            lambda x: self.assess(x.T, simulated)[:, kernel.COST],
-            list(zip(low, high, strict=True)),
-            vectorized=True,
-            updating="deferred",
-            polish=False,
-            init=start,
-            maxiter=rounds,
-            mutation=MUTATION,
-            recombination=RECOMBINATION,
-            tol=1e-6,
-            rng=SEED,
-        )
-        order = np.argsort(result.population_energies)
-        return _Evolved(result.population[order], float(result.fun))
+        told = self.assess(start, simulated=simulated)[:, kernel.COST]
+        # The best go to islands in turn.
+        islands = np.ascontiguousarray(start.reshape(SIZE, ISLANDS, -1).swapaxes(0, 1))
+        costs = np.ascontiguousarray(told.reshape(SIZE, ISLANDS).T)
+        for epoch in range(epochs):
+            seed = SEED + epoch * ISLANDS
+            evolve_kernel.evolve_islands(islands, costs, self._problem, simulated, low, high, EPOCH, CLOSE, seed)
+            if np.max(costs) - np.min(costs) < CLOSE:
+                break
+            _exchange(islands, costs)
+        population, told = islands.reshape(ISLANDS * SIZE, -1), costs.ravel()
+        order = np.argsort(told, kind="stable")
+        return _Evolved(population[order], float(told[order[0]]))
 
-    def assess(self, choices: FloatArray, simulated: float = 0.0) -> FloatArray:
-        """Figures (S, FIGURES) of choices (S, CHOICES)."""
-        choices, grid = np.ascontiguousarray(choices), nodes(COARSE)
-        figures, wish = np.empty((len(choices), kernel.FIGURES)), self._wish.copy()
-        wish[kernel.SIMULATED] = simulated
-        kernel.assess_all(
-            choices, self._body, self._fingers, self._task, self.limits, self._arm, wish,
-            grid.points, grid.integral, grid.powers, figures,
-        )  # fmt: skip
+    def assess(self, choices: FloatArray, *, simulated: bool = False, beat: float = np.inf) -> FloatArray:
+        """Figures (S, FIGURES) of choices (S, CHOICES); what cannot cost less than ``beat`` may cost infinitely much."""
+        figures = np.empty((len(choices), kernel.FIGURES))
+        kernel.assess_all(np.ascontiguousarray(choices), self._problem, simulated, beat, figures)
         return figures
 
     @property
@@ -186,7 +226,15 @@ class Search:
         low, high = self.wish.force_range
         stick, slide, brake, force = np.log(STICK_S), np.log(SLIDE_S), np.log(BRAKE_SHARE), np.log([low, high])
         pairs = np.array([(angle - turn, angle + turn), stick, slide, brake, CATCH_SHARE, stick, force])
-        return pairs[:, 0], pairs[:, 1] + TO_MOVE
+        return pairs[:, 0].copy(), pairs[:, 1].copy()
+
+
+def _exchange(islands: FloatArray, costs: FloatArray) -> None:
+    """Each island's best takes the place of the next one's worst."""
+    best, worst, each = np.argmin(costs, axis=1), np.argmax(costs, axis=1), np.arange(len(islands))
+    leaving, told = islands[each, best].copy(), costs[each, best].copy()
+    after = np.roll(each, -1)
+    islands[after, worst[after]], costs[after, worst[after]] = leaving, told
 
 
 def scaled(task: Task, share: float) -> Task:
@@ -209,5 +257,4 @@ def _wish_row(wish: Wish) -> FloatArray:
     row[kernel.FOR_FORCE] = SMALL
     row[kernel.DEMANDED] = wish.friction_error
     row[kernel.MOST] = MOST_ERROR if weights.friction_error > 0.0 else wish.friction_error
-    row[kernel.SIMULATED] = 0.0
     return row
