@@ -9,6 +9,7 @@ import click
 from slidepipe.cli import options, render
 from slidepipe.cli.exits import ExitCode
 from slidepipe.cli.session import Session
+from slidepipe.errors import NotFoundError
 from slidepipe.stages.figure_names import TITLES
 
 
@@ -35,6 +36,8 @@ def command(
     from slidepipe.cli.views.figures import figures_view
     from slidepipe.stages.figures import FiguresRequest, run
 
+    if not all((experiments / f"{name}.yaml").is_file() for name in ("paper_linear", "paper_rotational")):
+        raise NotFoundError(f"{experiments}: must hold paper_linear.yaml and paper_rotational.yaml (--experiments PATH)")
     request = FiguresRequest(
         names=names,
         directory=directory,
