@@ -125,6 +125,6 @@ def test_figures_far_from_the_experiments(call: Callable, tmp_path: Path) -> Non
     result = call("figures", "fig03")
     assert (result.exit_code, result.stdout) == (4, "")
     assert result.stderr == (
-        "error: experiments: must hold paper_linear.yaml and paper_rotational.yaml (--experiments PATH)\n"
+        "error: experiments: must hold paper_linear.yaml, paper_rotational.yaml (--experiments PATH)\n"
     )
     assert not list(tmp_path.iterdir())

@@ -36,8 +36,8 @@ def command(
     from slidepipe.cli.views.figures import figures_view
     from slidepipe.stages.figures import FiguresRequest, run
 
-    if not all((experiments / f"{name}.yaml").is_file() for name in ("paper_linear", "paper_rotational")):
-        raise NotFoundError(f"{experiments}: must hold paper_linear.yaml and paper_rotational.yaml (--experiments PATH)")
+    if not all((experiments / name).is_file() for name in ("paper_linear.yaml", "paper_rotational.yaml")):
+        raise NotFoundError(f"{experiments}: must hold paper_linear.yaml, paper_rotational.yaml (--experiments PATH)")
     request = FiguresRequest(
         names=names,
         directory=directory,
