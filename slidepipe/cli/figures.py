@@ -9,7 +9,6 @@ import click
 from slidepipe.cli import options, render
 from slidepipe.cli.exits import ExitCode
 from slidepipe.cli.session import Session
-from slidepipe.errors import NotFoundError
 from slidepipe.stages.figure_names import TITLES
 
 
@@ -36,8 +35,6 @@ def command(
     from slidepipe.cli.views.figures import figures_view
     from slidepipe.stages.figures import FiguresRequest, run
 
-    if not all((experiments / name).is_file() for name in ("paper_linear.yaml", "paper_rotational.yaml")):
-        raise NotFoundError(f"{experiments}: must hold paper_linear.yaml, paper_rotational.yaml (--experiments PATH)")
     request = FiguresRequest(
         names=names,
         directory=directory,
