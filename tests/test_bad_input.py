@@ -119,3 +119,12 @@ def test_slips_of_the_pen(call: Callable, tmp_path: Path) -> None:
     assert call("execute", "tab.yaml").stderr == (
         "error: run tab.yaml: there is none in data; it is a file: slidepipe plan makes a run of an experiment file\n"
     )
+
+
+def test_figures_far_from_the_experiments(call: Callable, tmp_path: Path) -> None:
+    result = call("figures", "fig03")
+    assert (result.exit_code, result.stdout) == (4, "")
+    assert result.stderr == (
+        "error: experiments: must hold paper_linear.yaml, paper_rotational.yaml (--experiments PATH)\n"
+    )
+    assert not list(tmp_path.iterdir())

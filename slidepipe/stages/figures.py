@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from slidepipe.artifacts.store import Store
-from slidepipe.errors import InputError
+from slidepipe.errors import InputError, NotFoundError
 from slidepipe.figures.paper import save_figure
 from slidepipe.stages import paper_motions, paper_theory
 from slidepipe.stages.figure_names import CAPTIONS, TITLES
@@ -52,6 +52,10 @@ class FigureWritten:
     paths: tuple[Path, ...]
 
 
+NEEDED = ("paper_linear.yaml", "paper_rotational.yaml")
+"""The paper's experiment files."""
+
+
 def run(request: FiguresRequest) -> tuple[FigureWritten, ...]:
     """Draw figures; runs that they need are taken from the store, or made.
 
@@ -62,6 +66,8 @@ def run(request: FiguresRequest) -> tuple[FigureWritten, ...]:
     InputError
         A file stands where the folder shall be.
     """
+    if not all((request.experiments / name).is_file() for name in NEEDED):
+        raise NotFoundError(f"{request.experiments}: must hold {', '.join(NEEDED)} (--experiments PATH)")
     runs = PaperRuns(request.experiments, request.store, request.report, request.command)
     _folder(request.directory)
     written = tuple(_draw(name, runs, request.directory) for name in request.names or TITLES)

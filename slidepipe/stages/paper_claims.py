@@ -9,7 +9,7 @@ from slidepipe.artifacts import topics
 from slidepipe.artifacts.recording_reader import read_recording
 from slidepipe.mechanics.one_dof import Profile
 from slidepipe.mechanics.pressure_patch import torsion_constant
-from slidepipe.mechanics.theorem_1 import contraction_bound, contraction_factor, eps_limits, theorem_1
+from slidepipe.mechanics.theorem_1 import contraction_bound, contraction_factor, d_2, eps_limits, theorem_1
 from slidepipe.planning.three_phase import ThreePhaseMotion
 from slidepipe.series import FloatArray, IntArray
 from slidepipe.stages.paper_repeats import PAPER_ERROR, PAPER_SD, friction_for_miss, repeat_error
@@ -75,7 +75,7 @@ FORMULA = "the paper gives the formula: its value beside eqs. (1) to (3) solved 
 def _theorem() -> tuple[Claim, ...]:
     s, limits, told = ACCELERATIONS, eps_limits(ACCELERATIONS), theorem_1(ACCELERATIONS, EPS)
     worst = max(contraction_factor(s, s.a_o * (1.0 - EPS)), contraction_factor(s, s.a_o * (1.0 + EPS)))
-    bound = contraction_bound(s, EPS)
+    bound, short = contraction_bound(s, EPS), abs(d_2(Profile(s, D_GOAL_M), EPS) / D_GOAL_M)
     where = "III-D, Theorem 1"
     return (
         Claim(where, f"1: a below, ε = {EPS}", f"{told.sticks.right:.2f} m/s²", f"a = {s.a:g}", "holds", "as printed"),
@@ -105,6 +105,14 @@ def _theorem() -> tuple[Claim, ...]:
             f"{limits.eps_star:.4f}",
             "-",
             f"set by the condition that it {limits.binding}",
+        ),
+        Claim(
+            "III-D, eq. (5)",
+            f"|d2/d_goal|, ε = {EPS}",
+            f"{short:.6f}",
+            f"{contraction_factor(s, s.a_o * (1.0 + EPS)):.6f}",
+            _less(contraction_factor(s, s.a_o * (1.0 + EPS)) - short),
+            "the formula beside the simulated slide with more friction",
         ),
         Claim(
             "III-D, eq. (6)",
