@@ -28,7 +28,7 @@ from slidepipe.estimation.estimate import estimate
 from slidepipe.estimation.request import EstimationRequest
 
 SAMPLES = (1_000, 10_000, 100_000)
-SLOWEST_S = 30.0
+SLOWEST_S = 60.0
 """A peer that would take longer than this is not asked."""
 TRIALS = 1_000
 WORLDS = 20

@@ -24,6 +24,7 @@ from slidepipe.series import BoolArray
 AROUND_SLIDE_S = 0.06
 FEWEST_REST_FRAMES = 20
 LONGEST_GAP_S = 0.05
+MOST_REPEATED = 0.5
 OTHER_BODY_M, OTHER_BODY_RAD = 0.03, 0.6
 
 
@@ -110,6 +111,7 @@ def estimate(request: EstimationRequest) -> Estimate:
         laws = replace(request.laws, gravity_angle_rad=joints.tilt_rad, gravity_angle_sd_rad=joints.tilt_sd_rad)
         request = replace(request, laws=laws)
     segments = _segments(request, tracks)
+    _really_seen(tracks, segments)
     initial = find_rest(tracks, segments.before, "before the motion")
     final = find_rest(tracks, segments.after, "after the motion")
     motion = _motion(request, tracks, segments, final)
@@ -153,6 +155,19 @@ def _joints(request: EstimationRequest, tracks: Tracks) -> JointClock | None:
     pose = request.plane.project(series.position_m, Rotation.from_quat(series.quaternion_xyzw).as_matrix())
     joints_s = (series.stamp_ns - tracks.stamp_ns[0]) * 1e-9
     return fit_joint_clock(tracks.time_s, tracks.hand, rough_noise(tracks.hand), joints_s, pose)
+
+
+def _really_seen(tracks: Tracks, segments: "_Segments") -> None:
+    """Refuse an object that stands still to the last bit while the hand moves: its last pose was sent over and over."""
+    seen = np.flatnonzero(segments.moving & tracks.relative.valid)
+    still = (np.diff(tracks.object.pose[seen], axis=0) == 0.0).all(axis=1)
+    moved = (np.diff(tracks.hand.pose[seen], axis=0) != 0.0).any(axis=1)
+    repeated = int(np.count_nonzero(still & moved))
+    if repeated > MOST_REPEATED * len(seen):
+        raise InputError(
+            f"object poses: {repeated} of {len(seen)} frames during the motion repeat the pose before to the last bit, "
+            f"at most {100.0 * MOST_REPEATED:g} % are possible: the cameras had lost the object and sent its last pose"
+        )
 
 
 def _same_body(request: EstimationRequest, initial: RestFinding) -> None:

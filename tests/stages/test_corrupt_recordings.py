@@ -81,6 +81,20 @@ def not_a_number(series: Series) -> Series:
     return replace(series, mocap=replace(series.mocap, object=replace(series.mocap.object, position_m=position)))
 
 
+def frozen(series: Series) -> Series:
+    """The last pose that was seen, sent over and over as if it were seen."""
+    position, turn = series.mocap.object.position_m.copy(), series.mocap.object.quaternion_xyzw.copy()
+    position[200:], turn[200:] = position[200], turn[200]
+    body = replace(series.mocap.object, position_m=position, quaternion_xyzw=turn)
+    return replace(series, mocap=replace(series.mocap, object=body))
+
+
+def no_turn(series: Series) -> Series:
+    turn = series.mocap.object.quaternion_xyzw.copy()
+    turn[50] = 0.0
+    return replace(series, mocap=replace(series.mocap, object=replace(series.mocap.object, quaternion_xyzw=turn)))
+
+
 def no_angle(series: Series) -> Series:
     joints = series.joints[topics.MEASURED]
     position = joints.position_rad.copy()
@@ -115,6 +129,9 @@ def other_body(series: Series) -> Series:
         (none_seen("hand", "object"), 1, "poses: hand tracked in 0 of"),
         (one_frame, 1, "poses: 1 camera frames were recorded, at least 30 are needed"),
         (not_a_number, 3, "object poses: position_m of frame"),
+        (frozen, 3, "frames during the motion repeat the pose before to the last bit"),
+        (no_turn, 3, "object poses: quaternion_xyzw of frame 50 has size 0, must be 1"),
+        (lambda series: replace(series, events=()), 3, "does not say when the motion starts"),
         (no_angle, 3, "/joints/measured: an angle of state 100 is not finite"),
         (with_mocap(frames=backwards), 3, "camera frames: ticks goes back after frame"),
         (joints_back, 3, "joints: the clock goes back after state"),
