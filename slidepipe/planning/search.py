@@ -219,6 +219,12 @@ class Search:
         kernel.assess_all(np.ascontiguousarray(choices), self._problem, simulated, beat, figures)
         return figures
 
+    def assess_one(self, choice: FloatArray) -> FloatArray:
+        """Figures (FIGURES,) of one choice by the formula, on the caller's own core."""
+        figures = np.empty(kernel.FIGURES)
+        kernel.assess(choice, self._problem, False, np.inf, figures)  # noqa: FBT003  # compiled: positional alone
+        return figures
+
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Least and largest choice, (CHOICES,) each."""
