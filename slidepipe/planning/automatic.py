@@ -25,7 +25,7 @@ ATTEMPTS = 12
 """How often the arm's local model is corrected by the arm itself."""
 TO_SPARE = 0.97
 """Of a limit that the arm broke between those places; much less, and the search ends elsewhere."""
-CARE = 0.02
+CARE = 0.01
 """By how much more of the arm's limits each attempt keeps off: what its local model misses changes with the motion."""
 SHRINK = 0.8
 """Of how far the hand went, where the arm cannot follow."""
@@ -93,7 +93,7 @@ class _Seeking:
                 self.task,
                 self._within,
                 self.wish,
-                self.arm.tightened_evenly(1.0 - attempt * CARE * self._learns),
+                self.arm.tightened_evenly(1.0 - (attempt + 1) * CARE * self._learns),
                 offsets=self._offsets,
             )
             self._found = self._search.best(self._near)
