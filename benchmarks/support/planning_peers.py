@@ -42,7 +42,7 @@ def by_slsqp(search: Search, start: FloatArray) -> Answer:
     low, high = search.bounds
 
     def figures(x: FloatArray) -> FloatArray:
-        return search.assess(np.clip(x, low, high)[None])[0]
+        return search.assess_one(np.clip(x, low, high))
 
     def within(x: FloatArray) -> FloatArray:
         told, bound = figures(x), search.limits

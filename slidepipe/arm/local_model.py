@@ -17,7 +17,6 @@ from slidepipe.series import FloatArray
 
 STEPS = ((0.04, 0.04, 0.2), (0.003, 0.003, 0.01), (1e-4, 1e-4, 1e-4))
 """Of the hand, m and rad, for the joints' rates and how they change: about as far as a motion goes, else nearer."""
-PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +31,8 @@ class LocalModel:
     rates : (7, 3)
         Joint rates for the hand's rates along x, y and about the normal.
     curvature : (7, 6)
-        How those rates change along xx, yy, tt, xy, xt and yt.
+        How those rates change along xx, yy, tt, xy, xt and yt; those with a turn are zero, for a hand turns so far
+        that first order is nearer the truth.
     mass : (7, 7)
         Mass matrix, kg m^2.
     weight_n_m : (7,)
@@ -159,15 +159,12 @@ def _joints_near(kinematics: InverseKinematics, plane: MotionPlane, pose: FloatA
 
 def _differences(kinematics: InverseKinematics, plane: MotionPlane, pose: FloatArray, step: FloatArray) -> _Joints:
     moves = np.diag(step)
-    both = [moves[one] + moves[other] for one, other in PAIRS[3:]]
-    poses = pose + np.vstack([np.zeros(3), moves, -moves, *both])
+    poses = pose + np.vstack([np.zeros(3), moves, -moves, moves[0] + moves[1]])
     path = HandPath(np.zeros(len(poses)), *plane.lift(poses))
     kinematics.approach(path)
     middle, *rest = kinematics.solve(path)
-    ahead, behind, across = np.array(rest[:3]), np.array(rest[3:6]), np.array(rest[6:])
-    curvature = np.empty((len(middle), len(PAIRS)))
-    curvature[:, :3] = ((ahead + behind - 2.0 * middle) / step[:, None] ** 2).T
-    for index, (one, other) in enumerate(PAIRS[3:]):
-        twist = across[index] - ahead[one] - ahead[other] + middle
-        curvature[:, 3 + index] = twist / (step[one] * step[other])
+    ahead, behind, across = np.array(rest[:3]), np.array(rest[3:6]), rest[6]
+    curvature = np.zeros((len(middle), 6))
+    curvature[:, :2] = ((ahead + behind - 2.0 * middle) / step[:, None] ** 2).T[:, :2]
+    curvature[:, 3] = (across - ahead[0] - ahead[1] + middle) / (step[0] * step[1])
     return _Joints(middle, ((ahead - behind) / (2.0 * step[:, None])).T, curvature)

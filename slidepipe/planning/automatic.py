@@ -12,7 +12,7 @@ from slidepipe.arm.model import nominal_model
 from slidepipe.errors import InfeasibleError
 from slidepipe.mechanics.planar import finger_pose
 from slidepipe.planning import assess_kernel as kernel
-from slidepipe.planning.arm_along import ArmAsked
+from slidepipe.planning.arm_along import ArmAlong, ArmAsked
 from slidepipe.planning.course import Course
 from slidepipe.planning.planner import Plan, Setup, follow, grip_checks
 from slidepipe.planning.search import FORCE_FIRST, Found, Search, Task, scaled
@@ -21,21 +21,21 @@ from slidepipe.planning.wish import Wish
 from slidepipe.series import FloatArray
 
 WHOLE_RANGE_RAD = np.array([0.5 * (link.range_rad[1] - link.range_rad[0]) for link in wam.LINKS])
-ATTEMPTS = 8
+ATTEMPTS = 12
 """How often the arm's local model is corrected by the arm itself."""
 TO_SPARE = 0.97
 """Of a limit that the arm broke between those places; much less, and the search ends elsewhere."""
-AIM = 0.99
-"""Of the arm's limits, once what its first order misses is known: the motion still changes a little."""
+CARE = 0.01
+"""By how much more of the arm's limits each attempt keeps off: what its local model misses changes with the motion."""
 SHRINK = 0.8
 """Of how far the hand went, where the arm cannot follow."""
-EASIER = 0.95
-"""Of the arm's limits, where what it missed led nowhere."""
-BINDING, ROOM, PATIENCE = 0.97, 0.9, 2
+BINDING, ROOM, PATIENCE = 0.97, 0.9, 1
 """Share of the arm's limits from which on they hold the search back, and below which they wrongly did; and how often
 it goes on for that alone."""
 ALIKE = 1e-3
 """Friction errors that differ by less are the same."""
+FURTHER = 1.6
+"""Power of the nearest grip force beside the believed one that the search alone finds, up to which the arm is asked."""
 NEARER = (1.0, 0.9, 0.7, 0.5)
 """Of the way to the nearest goal that the search alone can reach, where the arm takes part."""
 HALVINGS = 5
@@ -74,13 +74,15 @@ def plan_automatically(task: Task, setup: Setup, wish: Wish) -> Plan:
 class _Seeking:
     """The search and the arm in turns: each knows more of the other with every attempt."""
 
-    def __init__(self, task: Task, setup: Setup, wish: Wish) -> None:
+    def __init__(self, task: Task, setup: Setup, wish: Wish, near: FloatArray | None = None) -> None:
         self.task, self.setup, self.wish, self.arm = task, setup, wish, local_arm(task, setup)
         self._asked = ArmAsked(nominal_model(setup.tool), setup.posture_rad, setup.plane)
         self._offsets: FloatArray | None = None
-        self._near: FloatArray | None = None
+        self._near = near
         self._refusal: list[str] = []
         self._patience = PATIENCE
+        self._learns = True
+        """Whether what the local model missed helps; else limits are tightened by as much as they were broken."""
         self._within = setup
         """With the workspace that the arm has been found to reach."""
 
@@ -88,7 +90,11 @@ class _Seeking:
         """The first motion that keeps every limit, or None."""
         for attempt in range(ATTEMPTS):
             self._search = Search(
-                self.task, self._within, self.wish, self.arm.tightened_evenly(AIM), offsets=self._offsets
+                self.task,
+                self._within,
+                self.wish,
+                self.arm.tightened_evenly(1.0 - (attempt + 1) * CARE * self._learns),
+                offsets=self._offsets,
             )
             self._found = self._search.best(self._near)
             if not self._found.feasible:
@@ -109,7 +115,7 @@ class _Seeking:
         if self._near is None and self._offsets is None:
             return False
         if self._near is None:
-            self._offsets, self.arm = None, self.arm.tightened_evenly(EASIER)
+            self._offsets, self._learns = None, False
         self._near = None
         return True
 
@@ -120,20 +126,16 @@ class _Seeking:
 
     def _followed(self, *, last: bool) -> Plan | None:
         """The plan of what was found if it keeps every limit; else the next search knows what it missed."""
-        found, offsets = self._found, self._offsets
-        if offsets is None:
-            offsets = self._search.no_offsets()
-        along = self._asked.along(self.arm, offsets, *self._search.nodes(found))
-        self._offsets, self._near = along.offsets, found.population
-        knowing = Search(self.task, self.setup, self.wish, self.arm, offsets=along.offsets)
-        share = float(knowing.assess(found.choice[None])[0, kernel.ARM_SHARE])
-        if not last and share > 1.0:
-            return None
-        held_back = found.figures[kernel.ARM_SHARE] > BINDING and share < ROOM
-        if held_back and self._patience > 0:
-            self._patience -= 1
-            return None
-        chosen = follow(self._search.course(found), _with_force(self.setup, found.force), along.near)
+        found = self._found
+        course, held = self._search.course(found), _with_force(self.setup, found.force)
+        if self._learns:
+            along = self._along()
+            self._offsets, self._near = along.offsets, found.population
+            if not last and self._searches_on(along.offsets):
+                return None
+            chosen = follow(course, held, along.near)
+        else:
+            chosen = follow(course, held)
         self._refusal = [str(check) for check in (*chosen.margins, *chosen.limits) if not check.satisfied]
         if not self._refusal and chosen.survival.friction_error >= self.wish.friction_error - ALIKE:
             return chosen
@@ -142,6 +144,18 @@ class _Seeking:
             self._near = None
         self.arm = _tightened(self.arm, chosen)
         return None
+
+    def _along(self) -> ArmAlong:
+        offsets = self._search.no_offsets() if self._offsets is None else self._offsets
+        return self._asked.along(self.arm, offsets, *self._search.nodes(self._found))
+
+    def _searches_on(self, offsets: FloatArray) -> bool:
+        """Whether the arm breaks a limit along what was found, or the search was held back for nothing."""
+        knowing = Search(self.task, self.setup, self.wish, self.arm, offsets=offsets)
+        share = float(knowing.assess(self._found.choice[None])[0, kernel.ARM_SHARE])
+        held_back = self._found.figures[kernel.ARM_SHARE] > BINDING and share < ROOM and self._patience > 0
+        self._patience -= held_back
+        return share > 1.0 or held_back
 
     def conflicts(self) -> list[str]:
         """What is in the way, after a plan was not found."""
@@ -244,7 +258,10 @@ def _nearest(seeking: _Seeking) -> Iterator[str]:
     for_force = Search(task, setup, replace(wish, force_range=WIDEST_FORCE), seeking.arm)
     for_force.weights[kernel.FOR_FORCE] = FORCE_FIRST
     found = for_force.best()
-    held = replace(wish, force_range=(found.force, found.force))
-    if found.feasible and _Seeking(task, setup, held).plan() is not None:
-        force = found.force * setup.finger.f_N
+    if not found.feasible:
+        return
+    low, high = sorted((found.force, found.force**FURTHER))
+    chosen = _Seeking(task, setup, replace(wish, force_range=(low, high)), found.population).plan()
+    if chosen is not None:
+        force = chosen.setup.finger.f_N
         yield f"nearest normal force: {force:.3g} N of all fingers together, instead of {setup.finger.f_N:.3g} N"

@@ -50,7 +50,8 @@ class SampledHand:
         for first, last in pairwise(edges):
             piece = slice(first, last + 1)
             fine = np.linspace(self.time_s[first], self.time_s[last], parts * (last - first) + 1)[1:]
-            spline = make_interp_spline(self.time_s[piece], self.q_f[piece], k=min(5, last - first))
+            odd = last - first - 1 + (last - first) % 2
+            spline = make_interp_spline(self.time_s[piece], self.q_f[piece], k=min(5, odd))
             pieces.append(np.asarray(spline(fine)))
         return np.concatenate(pieces)
 

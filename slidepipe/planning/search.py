@@ -214,9 +214,15 @@ class Search:
         return _Evolved(population[order], float(told[order[0]]))
 
     def assess(self, choices: FloatArray, *, simulated: bool = False, beat: float = np.inf) -> FloatArray:
-        """Figures (S, FIGURES) of choices (S, CHOICES); what cannot cost less than ``beat`` may cost infinitely much."""
+        """Figures (S, FIGURES) of choices (S, CHOICES); what cannot cost less than ``beat`` may cost infinity."""
         figures = np.empty((len(choices), kernel.FIGURES))
         kernel.assess_all(np.ascontiguousarray(choices), self._problem, simulated, beat, figures)
+        return figures
+
+    def assess_one(self, choice: FloatArray) -> FloatArray:
+        """Figures (FIGURES,) of one choice by the formula, on the caller's own core."""
+        figures = np.empty(kernel.FIGURES)
+        kernel.assess(choice, self._problem, False, np.inf, figures)  # noqa: FBT003  # compiled: positional alone
         return figures
 
     @property

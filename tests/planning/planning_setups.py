@@ -16,7 +16,7 @@ CASES = {"linear": (LINEAR, linear_finger), "rotational": (ROTATIONAL, rotationa
 
 def dense(boundaries_s: np.ndarray, step_s: float = 1e-3) -> np.ndarray:
     """Times about a step apart, every boundary among them."""
-    pieces = [np.linspace(a, b, round((b - a) / step_s) + 1) for a, b in pairwise(boundaries_s)]
+    pieces = [np.linspace(a, b, max(7, round((b - a) / step_s) + 1)) for a, b in pairwise(boundaries_s)]
     return np.unique(np.concatenate(pieces))
 
 
