@@ -106,10 +106,9 @@ def _hand_torque(model: mujoco.MjModel, q: FloatArray, wrench: FloatArray) -> Fl
     return torque
 
 
-def _inverse_dynamics(
-    model: mujoco.MjModel, data: mujoco.MjData, q: FloatArray, dq: FloatArray, ddq: FloatArray
-) -> FloatArray:
-    torque = np.empty_like(q)
+def inverse_dynamics(model: mujoco.MjModel, q: FloatArray, dq: FloatArray, ddq: FloatArray) -> FloatArray:
+    """Torques (T, 7) of the arm without its joint friction, N m, for angles, speeds and accelerations (T, 7)."""
+    data, torque = mujoco.MjData(model), np.empty_like(q)
     for index in range(len(q)):
         data.qpos[:], data.qvel[:], data.qacc[:] = q[index], dq[index], ddq[index]
         mujoco.mj_inverse(model, data)
