@@ -27,8 +27,8 @@ TO_SPARE = 0.97
 """Of a limit that the arm broke between those places; much less, and the search ends elsewhere."""
 CARE = 0.01
 """By how much more of the arm's limits each attempt keeps off: what its local model misses changes with the motion."""
-SHRINK = 0.8
-"""Of how far the hand went, where the arm cannot follow."""
+SHRINK, SHRINKS = 0.8, 3
+"""Of how far the hand went, where the arm cannot follow; and how often."""
 BINDING, ROOM, PATIENCE = 0.97, 0.9, 1
 """Share of the arm's limits from which on they hold the search back, and below which they wrongly did; and how often
 it goes on for that alone."""
@@ -36,7 +36,9 @@ ALIKE = 1e-3
 """Friction errors that differ by less are the same."""
 FURTHER = 1.6
 """Power of the nearest grip force beside the believed one that the search alone finds, up to which the arm is asked."""
-NEARER = (1.0, 0.9, 0.7, 0.5)
+OFFERED = 4
+"""Attempts at a goal or a grip force that is offered."""
+NEARER = (0.95, 0.7)
 """Of the way to the nearest goal that the search alone can reach, where the arm takes part."""
 HALVINGS = 5
 """How finely the nearest goal that can be reached is told."""
@@ -80,15 +82,15 @@ class _Seeking:
         self._offsets: FloatArray | None = None
         self._near = near
         self._refusal: list[str] = []
-        self._patience = PATIENCE
+        self._patience, self._unreachable = PATIENCE, 0
         self._learns = True
         """Whether what the local model missed helps; else limits are tightened by as much as they were broken."""
         self._within = setup
         """With the workspace that the arm has been found to reach."""
 
-    def plan(self) -> Plan | None:
+    def plan(self, attempts: int = ATTEMPTS) -> Plan | None:
         """The first motion that keeps every limit, or None."""
-        for attempt in range(ATTEMPTS):
+        for attempt in range(attempts):
             self._search = Search(
                 self.task,
                 self._within,
@@ -102,9 +104,11 @@ class _Seeking:
                     return None
                 continue
             try:
-                chosen = self._followed(last=attempt == ATTEMPTS - 1)
+                chosen = self._followed(last=attempt == attempts - 1)
             except InfeasibleError as out_of_reach:
                 self._reach_less(out_of_reach)
+                if self._unreachable > SHRINKS:
+                    return None
                 continue
             if chosen is not None:
                 return chosen
@@ -121,6 +125,7 @@ class _Seeking:
 
     def _reach_less(self, refusal: InfeasibleError) -> None:
         self._refusal, self._near, self._offsets = list(refusal.lines), None, None
+        self._unreachable += 1
         radius = SHRINK * float(self._found.figures[kernel.OFF_CENTRE])
         self._within = replace(self._within, limits=replace(self._within.limits, workspace_radius_m=radius))
 
@@ -247,7 +252,7 @@ def _nearest(seeking: _Seeking) -> Iterator[str]:
         low, high = (middle, high) if nearer.best().feasible else (low, middle)
     for share in low * np.array(NEARER) if low > 0.0 else ():
         goal = scaled(task, float(share))
-        if _Seeking(goal, setup, wish).plan() is None:
+        if _Seeking(goal, setup, wish).plan(OFFERED) is None:
             continue
         r = goal.r_goal
         yield (
@@ -261,7 +266,7 @@ def _nearest(seeking: _Seeking) -> Iterator[str]:
     if not found.feasible:
         return
     low, high = sorted((found.force, found.force**FURTHER))
-    chosen = _Seeking(task, setup, replace(wish, force_range=(low, high)), found.population).plan()
+    chosen = _Seeking(task, setup, replace(wish, force_range=(low, high)), found.population).plan(OFFERED)
     if chosen is not None:
         force = chosen.setup.finger.f_N
         yield f"nearest normal force: {force:.3g} N of all fingers together, instead of {setup.finger.f_N:.3g} N"
