@@ -105,7 +105,8 @@ def dump_model(artifact: Artifact, written: Mapping[str, str] = MappingProxyType
     """
     data = {"schema": f"{artifact.SCHEMA}/{artifact.VERSION}", **artifact.model_dump(exclude=set(written))}
     parts: list[str] = []
-    for _, keys in groupby(("schema", *type(artifact).model_fields), written.__contains__):
+    said = [key for key in ("schema", *type(artifact).model_fields) if key in written or key in data]
+    for _, keys in groupby(said, written.__contains__):
         names = list(keys)
         parts += [written[key] for key in names] if names[0] in written else [dump({key: data[key] for key in names})]
     return "".join(parts)

@@ -9,8 +9,10 @@ from numba import njit, prange
 from slidepipe.mechanics.curve_kernel import gauge
 from slidepipe.mechanics.explicit_kernel import GRAVITY
 from slidepipe.mechanics.hand_kernel import FAST, hand_at, piece_of
-from slidepipe.mechanics.slide_kernel import MOST_STEPS, SCRATCH, STUCK, slide
+from slidepipe.mechanics.slide_kernel import GRAZE_S, GRAZED, MOST_STEPS, SCRATCH, STUCK, slide
 
+LONGEST_GRAZE_S = 1e-3
+"""How long a grip that was found to graze its limit again and again is at most not looked at."""
 SCANS = 6
 """Places in each piece of the hand's motion where a sticking grip is looked at."""
 
@@ -93,7 +95,7 @@ def follow(hand, jumps, body, tolerance, end, r, path):
     """
     breaks, y, scratch = hand[0], np.empty(6), np.empty((SCRATCH, 6))
     t, ended, slides, begun, stopped, count = breaks[0], STUCK, 0, np.nan, np.nan, 0
-    jump = 1
+    jump, graze = 1, GRAZE_S
     while t < end and slides < MOST_STEPS:
         while jump < len(breaks) and (breaks[jump] <= t or not jumps[jump]):
             jump += 1
@@ -101,11 +103,16 @@ def follow(hand, jumps, body, tolerance, end, r, path):
         t = find_onset(hand, body, r, t, limit)
         if t >= limit:
             continue
-        slides += 1
-        if slides == 1:
-            begun = t
+        onset = t
         begin_slide(hand, body, r, t, y)
         t, ended, count = slide(hand, jumps, body, tolerance, end, r, t, y, scratch, path, count)
+        if ended == GRAZED and t == onset:
+            # It holds on, and is looked at again: ever later, for a load may stay at the limit for a whole phase.
+            t, ended, graze = t + graze, STUCK, min(2.0 * graze, LONGEST_GRAZE_S)
+            continue
+        ended, graze = STUCK if ended == GRAZED else ended, GRAZE_S
+        slides += 1
+        begun = onset if slides == 1 else begun
         stopped = t
         if ended != STUCK:
             break

@@ -28,8 +28,9 @@ from slidepipe.mechanics.explicit_kernel import (
 from slidepipe.mechanics.hand_kernel import FAST, hand_at, hand_velocity, piece_of
 
 ORDER = 7
-STUCK, SLIDING, LEFT, FAILED = 0, 1, 2, 3
-"""How a trial ends: held, sliding, with the contact beyond the face, or with a step that could not be taken."""
+STUCK, SLIDING, LEFT, FAILED, GRAZED = 0, 1, 2, 3, 4
+"""How a trial ends: held, sliding, with the contact beyond the face, or with a step that could not be taken; and a
+slide, before it began."""
 FIRST_STEP_S = 1e-2
 SCALES = np.array([1.0, 1.0, 10.0, 3.0, 3.0, 30.0])
 """Tolerances beside that of the place in {b}, m: of the angle, the speeds and the spin."""
@@ -45,7 +46,7 @@ REST = 0.1
 """Share of the tolerance that the rest of a slide may be worth, to be taken as a parabola."""
 MOST_STEPS = 4000
 GRAZE_S = 1e-6
-"""How long a grip holds on that is overloaded by so little that no step of a slide can be taken."""
+"""How long a grip at least holds on that is overloaded by so little that no step of a slide can be taken."""
 SCRATCH = ORDER + STAGES + 3
 """Rows of memory that a slide needs."""
 INSIDE = 1.0 - 1e-13
@@ -195,11 +196,8 @@ def slide(hand, jumps, body, tolerance, end, r, t, y, scratch, path, count):
         h, good, at_limit = advance(hand, body, tolerance, t, limit, y, speed, rate, left, steps, table, work)
         if not good:
             if h < 1e-14:
-                # A load that grazes what the grip bears: what slides is less than can be told, and the grip is looked
-                # at again.
-                if speed * GRAZE_S <= REST * tolerance:
-                    return t + GRAZE_S, STUCK, count
-                return t, FAILED, count
+                # A load that grazes what the grip bears: what slides is less than can be told.
+                return t, GRAZED if speed * GRAZE_S <= REST * tolerance else FAILED, count
             continue
         t = limit if at_limit else t + h
         speed, rate, angle = sliding(hand, body, t, y, d)
