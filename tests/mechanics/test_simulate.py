@@ -14,7 +14,7 @@ from paper_cases import BLOCK
 from sliding_by_scipy import Trial
 
 from slidepipe.errors import InputError
-from slidepipe.mechanics.dynamics import Block
+from slidepipe.mechanics.dynamics import GRAVITY, Block
 from slidepipe.mechanics.hand_motion import HandMotion
 from slidepipe.mechanics.limit_surface import SoftFinger
 from slidepipe.mechanics.one_dof import Accelerations, Profile
@@ -178,3 +178,23 @@ BAD = [
 def test_bad_values_are_told(make: Callable[[], object], message: str) -> None:
     with pytest.raises(InputError, match=message):
         make()
+
+
+@pytest.mark.parametrize("over", [0.0, 1e-15, 1e-13, 1e-11, 1e-9])
+@pytest.mark.parametrize("rises", [True, False], ids=["to a peak", "and stays"])
+def test_load_that_grazes_what_the_grip_bears_moves_nothing_and_comes_to_rest(over: float, rises: bool) -> None:
+    """The needed force passes the limit by a hair, for a moment or for half of the motion."""
+    block, peak, T = Block(length=0.06, width=0.1, m=0.023), 20.0, 0.4
+    w = 2.0 * np.pi / T
+
+    def poses(time_s: np.ndarray) -> np.ndarray:
+        t = np.asarray(time_s)
+        swung = peak / w * t - peak / w**2 * np.sin(w * t)
+        pushed = np.where(t < T / 2, peak * t**2 / 2, peak * (T * t - T**2 / 4 - t**2 / 2))
+        return np.stack([swung if rises else pushed, 0.0 * t, 0.0 * t], axis=-1)
+
+    finger = SoftFinger(1.0, block.m * np.hypot(peak, GRAVITY) / (1.0 + over), a=0.0174, c=0.6)
+    hand = HandMotion.from_function(poses, np.linspace(0.0, T, 9 if rises else 3))
+    told = simulate(hand, block, finger, np.zeros(3))
+    assert told.ended is Ended.STUCK
+    assert np.max(np.abs(told.r_f_b)) < 2e-9
