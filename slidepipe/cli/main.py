@@ -91,6 +91,7 @@ class Verbs(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         """Run the verb; an error that slidepipe raises on purpose is one line and a code, never a traceback."""
         render.forgive_encoding()
+        render.hear()
         try:
             return _flushed(lambda: super(Verbs, self).invoke(ctx))
         except SlidepipeError as error:

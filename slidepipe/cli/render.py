@@ -1,6 +1,7 @@
 """The one place that prints: data on stdout, everything else on stderr."""
 
 import json
+import logging
 import os
 import shutil
 import sys
@@ -30,6 +31,21 @@ def put(parts: Iterable["RenderableType"]) -> None:
 def put_json(schema: str, content: Mapping[str, object]) -> None:
     """Print one JSON object on stdout, its schema first."""
     sys.stdout.write(json.dumps({"schema": schema, **content}, indent=2, allow_nan=False) + "\n")
+
+
+class _Notes(logging.Handler):
+    """What the rooms below have to say while somebody watches."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        note(record.getMessage())
+
+
+def hear() -> None:
+    """Print what slidepipe says meanwhile on stderr, on a terminal only."""
+    log = logging.getLogger("slidepipe")
+    if sys.stderr.isatty() and not log.handlers:
+        log.addHandler(_Notes())
+        log.setLevel(logging.INFO)
 
 
 def note(line: str) -> None:

@@ -1,12 +1,17 @@
 """Where compiled kernels are kept: beside the code or in the user's cache; where neither can be written, for a run."""
 
 import atexit
+import logging
 import shutil
 import tempfile
 import warnings
 from pathlib import Path
 
 import numba
+from numba.core import event
+
+LOG = logging.getLogger("slidepipe.kernels")
+"""Says once in a process that kernels are compiled, which takes up to two minutes at the very first use."""
 
 
 def keep_compiled_code() -> None:
@@ -26,6 +31,27 @@ def keep_compiled_code() -> None:
             RuntimeWarning,
             stacklevel=2,
         )
+
+
+class Compiling(event.Listener):  # type: ignore[misc]  # numba has no types
+    """Waits for the first kernel that is not found in the cache."""
+
+    def __init__(self) -> None:
+        self._told = False
+
+    def on_start(self, _: event.Event) -> None:
+        """Say so, once."""
+        if not self._told:
+            LOG.info("compiling what is compiled once, at the first use: this may take two minutes")
+        self._told = True
+
+    def on_end(self, _: event.Event) -> None:
+        """Nothing is said at the end."""
+
+
+def tell_compiling() -> None:
+    """Let :data:`LOG` know when kernels are compiled."""
+    event.register("numba:compile", Compiling())
 
 
 def _probe() -> None:

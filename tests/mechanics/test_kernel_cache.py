@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numba
 import pytest
+from numba.core import event
 
 from slidepipe.mechanics import kernel_cache
 
@@ -23,3 +24,15 @@ def test_with_a_place_nothing_is_said_or_changed() -> None:
     before = numba.config.CACHE_DIR
     kernel_cache.keep_compiled_code()
     assert before == numba.config.CACHE_DIR
+
+
+def test_compiling_is_told_once(caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level("INFO", logger="slidepipe.kernels")
+    assert numba.njit(lambda x: x + 1)(1) == 2
+    caplog.clear()  # of what this process may not have said before
+    with event.install_listener("numba:compile", kernel_cache.Compiling()):
+        for _ in range(2):
+            assert numba.njit(lambda x: x + 1)(1) == 2
+    assert [one.getMessage() for one in caplog.records] == [
+        "compiling what is compiled once, at the first use: this may take two minutes"
+    ]
