@@ -215,7 +215,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory, experiments: Path, request: p
         runs = Runs(room, experiments / "regrasp.yaml", pool)
         runs.begin(None)
         for item in request.session.items:
-            if item.module is request.module and hasattr(item, "callspec"):
+            if getattr(item, "module", None) is request.module and hasattr(item, "callspec"):
                 runs.begin(item.callspec.params["case"].fault)
         yield runs
         pool.shutdown(cancel_futures=True)
