@@ -127,7 +127,8 @@ def test_the_page_in_the_docs_has_the_rows_that_are_made_now(runs):
 
 def test_a_folder_without_the_papers_experiments_is_told(tmp_path):
     request = FiguresRequest(("fig04",), tmp_path / "out", tmp_path, Store(tmp_path / "data"), pytest.fail)
-    with pytest.raises(NotFoundError, match=r": must hold paper_linear\.yaml, paper_rotational\.yaml \(--experiments PATH\)$"):
+    said = r": must hold paper_linear\.yaml, paper_rotational\.yaml \(--experiments PATH\)$"
+    with pytest.raises(NotFoundError, match=said):
         run(request)
 
 
