@@ -47,7 +47,7 @@ class SampledHand:
         """Poses at ``parts`` times the samples: cubics that do not smooth over a jump of the acceleration."""
         edges = np.searchsorted(self.time_s, self.boundaries_s - 1e-9)
         pieces = [self.q_f[:1]]
-        for first, last in pairwise(edges):
+        for first, last in pairwise(np.unique(edges)):  # a phase may be shorter than a tick
             piece = slice(first, last + 1)
             fine = np.linspace(self.time_s[first], self.time_s[last], parts * (last - first) + 1)[1:]
             odd = last - first - 1 + (last - first) % 2

@@ -9,6 +9,7 @@ from planning_setups import as_regrasp, slide_freely
 
 from slidepipe.errors import InfeasibleError, InputError
 from slidepipe.planning.planner import stick_load
+from slidepipe.planning.predict import SampledHand
 from slidepipe.planning.replan import SAFE_LOAD, SHORTEST_SLIDE_S, replan, slide_distance
 from slidepipe.planning.three_phase import Regrasp
 
@@ -104,3 +105,11 @@ def test_the_distance_of_a_turn_is_measured_on_the_limit_surface() -> None:
     for step in (np.array([rho, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]), np.array([0.003, -0.004, 0.7])):
         work = float(finger.friction(step) @ step)
         assert slide_distance(np.zeros(3), step, rho) == pytest.approx(work / (finger.mu * finger.f_N), rel=1e-12)
+
+
+def test_a_phase_shorter_than_a_tick_is_no_piece_of_its_own() -> None:
+    time_s = 0.002 * np.arange(11)
+    poses = np.column_stack([time_s**2, time_s, 0.0 * time_s])
+    hand = SampledHand(time_s, poses, np.array([0.0, 0.0101, 0.0103, 0.02]))
+    told = hand.resampled(2)
+    np.testing.assert_allclose(told[:, 0], np.linspace(0.0, 0.02, 21) ** 2, atol=1e-12)
