@@ -14,7 +14,7 @@ from slidepipe.errors import InfeasibleError
 from slidepipe.mechanics.planar import MotionPlane
 from slidepipe.planning import arm_kernel
 from slidepipe.planning.nodes import COARSE, nodes
-from slidepipe.planning.planner import PULLS
+from slidepipe.planning.planner import postures
 from slidepipe.planning.profile_kernel import BRAKE, CATCH, PHASES
 from slidepipe.series import FloatArray
 
@@ -79,8 +79,8 @@ class ArmAsked:
             return near.solve(path, np.clip(expected, *wam.RANGE_RAD))
         except InfeasibleError as refusal:
             refusals = [refusal]
-        for pull in PULLS:
-            kinematics = InverseKinematics(self._model, (1.0 - pull) * self._posture_rad + pull * wam.MIDDLE_RAD)
+        for posture in postures(self._posture_rad):
+            kinematics = InverseKinematics(self._model, posture)
             kinematics.approach(path)
             try:
                 return kinematics.solve(path)

@@ -73,6 +73,14 @@ def plan_automatically(task: Task, setup: Setup, wish: Wish) -> Plan:
     raise InfeasibleError(*seeking.conflicts(), *_nearest(seeking))
 
 
+def find_plan(task: Task, setup: Setup, wish: Wish) -> Plan | None:
+    """The best motion for a wish as :func:`plan_automatically` finds it, or None: nothing is explained or offered."""
+    try:
+        return _Seeking(task, setup, wish).plan()
+    except InfeasibleError:
+        return None
+
+
 class _Seeking:
     """The search and the arm in turns: each knows more of the other with every attempt."""
 
@@ -173,7 +181,7 @@ ARM_WORDS = "no gentler motion does better: move arm.plane, change arm.posture_r
 
 
 def local_arm(task: Task, setup: Setup) -> LocalModel:
-    """The arm's first order about the start of a task."""
+    """The arm's second order about the start of a task."""
     model, limits = nominal_model(setup.tool), setup.limits
     return local_model(
         model,

@@ -1,6 +1,6 @@
 """From a course to a motion of the arm, with every limit checked."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import mujoco
@@ -130,6 +130,12 @@ def follow(course: Course, setup: Setup, near: Callable[[FloatArray], FloatArray
     )
 
 
+def postures(wished_rad: FloatArray) -> Iterator[FloatArray]:
+    """The wished posture (7,), then ones drawn towards the middle of the joints' ranges."""
+    for pull in PULLS:
+        yield (1.0 - pull) * wished_rad + pull * wam.MIDDLE_RAD
+
+
 def _joints(
     model: mujoco.MjModel,
     motion: CourseMotion,
@@ -141,16 +147,15 @@ def _joints(
 
     Where a joint meets its limit on the way, the posture nearest to the wished one turns a corner.
     """
-    refusals = []
-    for pull in PULLS:
-        posture = (1.0 - pull) * setup.posture_rad + pull * wam.MIDDLE_RAD
+    refusals: list[InfeasibleError] = []
+    for posture in postures(setup.posture_rad):
         try:
             return joint_path(
                 InverseKinematics(model, posture),
                 lambda at_s: _hand_path(motion, setup, at_s),
                 time_s,
                 motion.course.boundaries,
-                near=near if pull == PULLS[0] else None,
+                near=None if refusals else near,
             )
         except InfeasibleError as refusal:
             refusals.append(refusal)

@@ -6,8 +6,7 @@ import numpy as np
 
 from slidepipe.artifacts.experiment import Experiment
 from slidepipe.artifacts.values import Pose
-from slidepipe.errors import InfeasibleError
-from slidepipe.planning.automatic import plan_automatically
+from slidepipe.planning.automatic import find_plan, plan_automatically
 from slidepipe.planning.planner import Plan, plan
 from slidepipe.planning.replan import FrictionInterval, replan
 from slidepipe.planning.search import Task
@@ -55,13 +54,11 @@ def next_plan(experiment: Experiment, r_now: FloatArray, friction: float, interv
     from_here = replace(task(experiment), r_start=np.asarray(r_now, dtype=float))
     turned = replace(asked, angle_free=True)
     eased = [replace(turned, friction_error=share * asked.friction_error) for share in LESS_DOUBT]
-    refusals = []
     for wanted in (asked, turned, *eased):
-        try:
-            return plan_automatically(from_here, believed, wanted)
-        except InfeasibleError as refusal:
-            refusals.append(refusal)
-    raise refusals[0]
+        found = find_plan(from_here, believed, wanted)
+        if found is not None:
+            return found
+    return plan_automatically(from_here, believed, asked)  # says why there is none
 
 
 def task(experiment: Experiment) -> Task:

@@ -179,7 +179,7 @@ def test_a_plan_beyond_the_transports_clip_is_refused_before_anything_moves(scen
     lab = lab_file(tmp_path, **{"torque_beyond_gravity_n_m__[77.3, 160.6, 95.6, 29.4, 11.6, 11.6, 2.7]": clip})
     with pytest.raises(
         InfeasibleError,
-        match=r"^lab loopback: joint 2 torque beyond gravity \(clip of the bridge transport\): 5\d\.\d+ N m at "
+        match=r"^lab loopback: joint 2 torque beyond gravity \(clip of the bridge transport\): 53\.\d+ N m at "
         r"t = 0\.\d+ s, beyond 20 N m$",
     ):
         execute.run(execute.ExecuteRequest(scene.plan.run.id, scene.store, lab=real(lab)))
