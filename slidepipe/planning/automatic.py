@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from slidepipe.arm import wam
 from slidepipe.arm.inverse_kinematics import InverseKinematics
 from slidepipe.arm.local_model import LocalModel, local_model
 from slidepipe.arm.model import nominal_model
@@ -17,14 +16,12 @@ from slidepipe.planning.course import Course
 from slidepipe.planning.planner import Plan, Setup, follow, grip_checks
 from slidepipe.planning.search import FORCE_FIRST, Found, Search, Task, scaled
 from slidepipe.planning.survival import Survival, survival
+from slidepipe.planning.tighten import tightened_arm, tightened_hand
 from slidepipe.planning.wish import Wish
 from slidepipe.series import FloatArray
 
-WHOLE_RANGE_RAD = np.array([0.5 * (link.range_rad[1] - link.range_rad[0]) for link in wam.LINKS])
 ATTEMPTS = 12
 """How often the arm's local model is corrected by the arm itself."""
-TO_SPARE = 0.97
-"""Of a limit that the arm broke between those places; much less, and the search ends elsewhere."""
 CARE = 0.01
 """By how much more of the arm's limits each attempt keeps off: what its local model misses changes with the motion."""
 SHRINK, SHRINKS = 0.8, 3
@@ -32,6 +29,8 @@ SHRINK, SHRINKS = 0.8, 3
 BINDING, ROOM, PATIENCE = 0.97, 0.9, 1
 """Share of the arm's limits from which on they hold the search back, and below which they wrongly did; and how often
 it goes on for that alone."""
+FAR_RAD = 0.5
+"""Turn of the hand from where the arm's local model was taken, from which on it is taken anew."""
 ALIKE = 1e-3
 """Friction errors that differ by less are the same."""
 FURTHER = 1.6
@@ -85,7 +84,8 @@ class _Seeking:
     """The search and the arm in turns: each knows more of the other with every attempt."""
 
     def __init__(self, task: Task, setup: Setup, wish: Wish, near: FloatArray | None = None) -> None:
-        self.task, self.setup, self.wish, self.arm = task, setup, wish, local_arm(task, setup)
+        self.task, self.setup, self.wish = task, setup, wish
+        self._first_arm = self.arm = local_arm(task, setup)
         self._asked = ArmAsked(nominal_model(setup.tool), setup.posture_rad, setup.plane)
         self._offsets: FloatArray | None = None
         self._near = near
@@ -93,8 +93,10 @@ class _Seeking:
         self._patience, self._unreachable = PATIENCE, 0
         self._learns = True
         """Whether what the local model missed helps; else limits are tightened by as much as they were broken."""
+        self._looks = True
+        """Whether the local model is taken anew where the hand is turned far."""
         self._within = setup
-        """With the workspace that the arm has been found to reach."""
+        """With the workspace that the arm was found to reach, and what breaks a limit between nodes kept off it."""
 
     def plan(self, attempts: int = ATTEMPTS) -> Plan | None:
         """The first motion that keeps every limit, or None."""
@@ -123,11 +125,12 @@ class _Seeking:
         return None
 
     def _start_afresh(self) -> bool:
-        """Forget where the last search ended, then what its arm missed; whether there was anything to forget."""
+        """Forget where the last search ended, then the arm elsewhere, then all it missed; whether there was any."""
         if self._near is None and self._offsets is None:
             return False
         if self._near is None:
-            self._offsets, self._learns = None, False
+            self._learns = self._looks and self.arm.pose is not self._first_arm.pose
+            self._looks, self._offsets, self.arm = False, None, self._first_arm
         self._near = None
         return True
 
@@ -142,6 +145,7 @@ class _Seeking:
         found = self._found
         course, held = self._search.course(found), _with_force(self.setup, found.force)
         if self._learns:
+            self._look_from(finger_pose(course.q_o_slide, course.r_start))
             along = self._along()
             self._offsets, self._near = along.offsets, found.population
             if not last and self._searches_on(along.offsets):
@@ -155,8 +159,13 @@ class _Seeking:
         if not self._refusal:
             self._refusal = [_too_little(chosen.survival, self.wish.friction_error)]
             self._near = None
-        self.arm = _tightened(self.arm, chosen)
+        self.arm, self._within = tightened_arm(self.arm, chosen), tightened_hand(self._within, chosen)
         return None
+
+    def _look_from(self, pose: FloatArray) -> None:
+        """Expand the arm about a pose of the hand, in place of one that is turned far from it."""
+        if self._looks and abs(pose[2] - self.arm.pose[2]) > FAR_RAD:
+            self.arm, self._offsets = arm_about(pose, self.setup), None
 
     def _along(self) -> ArmAlong:
         offsets = self._search.no_offsets() if self._offsets is None else self._offsets
@@ -182,38 +191,22 @@ ARM_WORDS = "no gentler motion does better: move arm.plane, change arm.posture_r
 
 def local_arm(task: Task, setup: Setup) -> LocalModel:
     """The arm's second order about the start of a task."""
+    return arm_about(finger_pose(task.q_o_start, task.r_start), setup)
+
+
+def arm_about(pose: FloatArray, setup: Setup) -> LocalModel:
+    """The arm's second order about a pose (3,) of the hand in {w}; raises InfeasibleError where it is out of reach."""
     model, limits = nominal_model(setup.tool), setup.limits
     return local_model(
         model,
         InverseKinematics(model, setup.posture_rad),
         setup.plane,
-        finger_pose(task.q_o_start, task.r_start),
+        pose,
         speed_rad_s=limits.joint_speed_rad_s,
         acceleration_rad_s2=limits.joint_acceleration_rad_s2,
         torque_n_m=limits.joint_torque_n_m,
         elbow_speed_m_s=limits.elbow_speed_m_s,
     )
-
-
-def _tightened(arm: LocalModel, chosen: Plan) -> LocalModel:
-    """The local model with the limits that the arm itself broke tightened by as much."""
-    limits, joints = chosen.setup.limits, chosen.joints
-    off = np.max(np.abs(joints.position_rad - arm.middle_rad), axis=0)
-    speed = np.max(np.abs(joints.velocity_rad_s), axis=0)
-    acceleration = np.max(np.abs(joints.acceleration_rad_s2), axis=0)
-    torque = np.max(np.abs(chosen.load.torque_n_m), axis=0)
-    elbow = np.max(chosen.load.elbow_speed_m_s)
-    return arm.tightened(
-        half=_factor(off, WHOLE_RANGE_RAD),
-        speed=_factor(speed, limits.joint_speed_rad_s),
-        acceleration=_factor(acceleration, limits.joint_acceleration_rad_s2),
-        torque=_factor(torque, limits.joint_torque_n_m),
-        elbow=float(_factor(np.array([elbow]), np.array([limits.elbow_speed_m_s]))[0]),
-    )
-
-
-def _factor(reached: FloatArray, bound: FloatArray) -> FloatArray:
-    return np.where(reached > bound, TO_SPARE * bound / reached, 1.0)
 
 
 def _with_force(setup: Setup, share: float) -> Setup:
@@ -257,7 +250,7 @@ def _nearest(seeking: _Seeking) -> Iterator[str]:
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         nearer = Search(scaled(task, middle), setup, wish, seeking.arm)
-        low, high = (middle, high) if nearer.best().feasible else (low, middle)
+        low, high = (middle, high) if nearer.best(starts=1).feasible else (low, middle)
     for share in low * np.array(NEARER) if low > 0.0 else ():
         goal = scaled(task, float(share))
         if _Seeking(goal, setup, wish).plan(OFFERED) is None:

@@ -28,6 +28,8 @@ TOWARDS_BEST = 0.7
 """Share of the trials that start from the island's best."""
 POLISH_STEPS = (16, 4, 1)
 """Of durations on their grid."""
+WORTH = 1e-4
+"""Gain of a pass over all entries from which on another is made: a ridge may be followed for long, for nothing."""
 ANGLE_STEP_RAD = 1e-3
 """Of the angle for one step of a duration."""
 NO_GAIN = 1e-7
@@ -110,12 +112,12 @@ def stepped(choice, low, high, one, other, step, trial):
 
 @njit(**FAST)
 def polish(choice, cost, problem, simulated, low, high):
-    """Move a choice in place by whole steps, of one entry or of two against each other, while it gains; its cost."""
+    """Move a choice in place by whole steps, of one entry or of two against each other, while it pays; its cost."""
     trial, figures = np.empty(len(choice)), np.empty(FIGURES)
     for step in POLISH_STEPS:
-        gains = True
-        while gains:
-            gains = False
+        before = np.inf
+        while before - cost > WORTH:
+            before = cost
             for one in range(PHASES + 1):
                 for other in range(-1, PHASES + 1):
                     for way in (step, -step):
@@ -125,5 +127,4 @@ def polish(choice, cost, problem, simulated, low, high):
                         if figures[FIGURE_COST] < cost - NO_GAIN:
                             choice[:] = trial
                             cost = figures[FIGURE_COST]
-                            gains = True
     return cost

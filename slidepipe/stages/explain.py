@@ -5,12 +5,16 @@ import numpy as np
 from slidepipe.arm.identify import ArmCorrection
 from slidepipe.artifacts.experiment import Experiment
 from slidepipe.artifacts.iteration_setup import Way
+from slidepipe.artifacts.values import Pose
 from slidepipe.artifacts.why import ErrorOf, FrictionView, WhyDocument
 from slidepipe.planning.planner import Plan
 from slidepipe.stages.belief import FrictionBelief
 from slidepipe.stages.expect import expect
 from slidepipe.stages.goal import Miss, error_of, miss
 from slidepipe.stages.past import PastTrial
+
+SAME = 1e-3
+"""Share of the tolerance by which a plan's goal may differ from the experiment's for its rounding alone."""
 
 
 def explain(
@@ -58,7 +62,7 @@ def _changes(
     correction: ArmCorrection | None,
 ) -> list[str]:
     last = past[-1]
-    said = [_start_said(last, experiment), *_progress_said(past, experiment)]
+    said = [_start_said(last, experiment), *_progress_said(past, experiment), *_part_said(plan, experiment)]
     before = last.plan.believed.friction
     said.append(f"friction {before:.4f} -> {belief.friction:.4f}: {belief.source}")
     if belief.interval is not None:
@@ -88,6 +92,14 @@ def _progress_said(past: tuple[PastTrial, ...], experiment: Experiment) -> list[
     if after.in_tolerances(experiment) <= before.in_tolerances(experiment):
         return []
     return [f"the last trial made it worse: {_words(before)} before it, {_words(after)} after it"]
+
+
+def _part_said(plan: Plan, experiment: Experiment) -> list[str]:
+    """Say so where the plan does not go all the way."""
+    left = miss(Pose.of(plan.course.r_goal), experiment)
+    if left.in_tolerances(experiment) <= SAME:
+        return []
+    return [f"no motion to the goal itself was found: this one goes part of the way, {_words(left)} from the goal"]
 
 
 def _arm_said(correction: ArmCorrection, trials: int) -> str:

@@ -9,13 +9,15 @@ from slidepipe.artifacts.values import Pose
 from slidepipe.planning.automatic import find_plan, plan_automatically
 from slidepipe.planning.planner import Plan, plan
 from slidepipe.planning.replan import FrictionInterval, replan
-from slidepipe.planning.search import Task
+from slidepipe.planning.search import Task, scaled
 from slidepipe.planning.wish import WEIGHTS, Objective, Weights, Wish
 from slidepipe.series import FloatArray
 from slidepipe.stages.translate import first_regrasp, setup, vector
 
 LESS_DOUBT = (0.5, 0.0)
 """Shares of the friction's doubt that a later plan is to survive where no motion survives all of it."""
+PART_WAY = (0.7, 0.4)
+"""Shares of the way to the goal that a later plan may go where no motion goes all of it."""
 
 
 def first_plan(experiment: Experiment) -> Plan:
@@ -37,7 +39,7 @@ def next_plan(experiment: Experiment, r_now: FloatArray, friction: float, interv
 
     The planner's own motion must survive what is left of the friction's interval, no more: a short slide cannot survive
     as much as a long one. Where none does, the object may also start at another angle, for the hand moves to its start
-    anyway; then the motion need survive less.
+    anyway; then the motion need survive less; then it may go part of the way, for a further trial to go on.
 
     Raises
     ------
@@ -54,8 +56,10 @@ def next_plan(experiment: Experiment, r_now: FloatArray, friction: float, interv
     from_here = replace(task(experiment), r_start=np.asarray(r_now, dtype=float))
     turned = replace(asked, angle_free=True)
     eased = [replace(turned, friction_error=share * asked.friction_error) for share in LESS_DOUBT]
-    for wanted in (asked, turned, *eased):
-        found = find_plan(from_here, believed, wanted)
+    whole = [(from_here, wanted) for wanted in (asked, turned, *eased)]
+    partly = [(scaled(from_here, share), eased[-1]) for share in PART_WAY]
+    for towards, wanted in (*whole, *partly):
+        found = find_plan(towards, believed, wanted)
         if found is not None:
             return found
     return plan_automatically(from_here, believed, asked)  # says why there is none
