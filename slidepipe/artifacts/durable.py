@@ -3,6 +3,7 @@
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 from pathlib import Path
 
 AT_ONCE = 8
@@ -16,8 +17,13 @@ def sync(paths: Sequence[Path]) -> None:
     if len(paths) == 1:
         _sync(paths[0])
         return
-    with ThreadPoolExecutor(min(AT_ONCE, len(paths))) as pool:
-        list(pool.map(_sync, paths))
+    list(_pool(os.getpid()).map(_sync, paths))
+
+
+@cache
+def _pool(pid: int) -> ThreadPoolExecutor:
+    """Threads that wait, those of this process alone: a fork has none of its parent's."""
+    return ThreadPoolExecutor(AT_ONCE, thread_name_prefix=f"sync-{pid}")
 
 
 def _sync(path: Path) -> None:
