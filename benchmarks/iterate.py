@@ -24,7 +24,7 @@ from slidepipe.artifacts.iteration_setup import Way
 from slidepipe.artifacts.store import Store
 from slidepipe.artifacts.sweep import SweepTry
 from slidepipe.artifacts.sweep_sets import read_sets
-from slidepipe.errors import RefusedError
+from slidepipe.errors import RefusedError, SlidepipeError
 from slidepipe.figures.iteration import Converging, SingleShots, draw_iteration
 from slidepipe.series import FloatArray
 from slidepipe.stages import campaign, estimate, execute, plan
@@ -71,7 +71,11 @@ def try_world(task: WorldTask) -> WorldResult:
         done = execute.run(execute.ExecuteRequest(planned.id, store)).run
         told = estimate.run(estimate.EstimateRequest(done.id, store)).run
         for way in WAYS:
-            table = _go_on(task, store, Tip(1, planned, done, told), way)
+            try:
+                table = _go_on(task, store, Tip(1, planned, done, told), way)
+            except SlidepipeError as error:  # one world's failure must not take the others with it
+                tries[way], outcomes[way] = [], f"failed: {error}"
+                continue
             tries[way], outcomes[way] = tries_of(table, experiment), table.outcome
             if table.stopped_because:
                 outcomes[way] += f": {table.stopped_because}"
