@@ -3,9 +3,13 @@
 A filter that only runs forward is caught by a swap that lasts: it locks on to the wrong place and then refuses the
 right one. A pose is therefore kept where both directions accept it. The smoother over what was kept then decides each
 pose once more, from both sides: what a caught filter refused comes back, and what slipped through goes.
+
+The process noise is that of the whole track, most of which is rest. A short and violent motion is more than it allows
+for; such a motion is told from a swap by a filter with much more noise, which follows the one and starts at the other.
 """
 
 import numpy as np
+from scipy.ndimage import minimum_filter1d, uniform_filter1d
 
 from slidepipe.estimation.likelihood import best_process_noise
 from slidepipe.estimation.smoothing import axis_model, smooth_axis
@@ -29,8 +33,9 @@ SECOND_LOOKS = 3
 FIRST_DENSITY = np.array([3e4, 3e4, 3e7])
 """Process noise of the first pass, that of a hand whose acceleration jumps; the second takes the most likely one of
 what was kept."""
-PASSES = 2
 FEWEST = 30
+AROUND, MANY = 11, 0.5
+"""Frames about one, and the share of them that is refused together where it is for a motion and not for being wrong."""
 
 
 def without_outliers(time_s: FloatArray, track: Track) -> Track:
@@ -43,20 +48,19 @@ def without_outliers(time_s: FloatArray, track: Track) -> Track:
     """
     if np.count_nonzero(track.valid) < FEWEST:
         return track
-    noise, density, kept = rough_noise(track), FIRST_DENSITY, track.valid
-    for _ in range(PASSES):
-        kept = _both_ways(time_s, track, noise, density)
-        if np.count_nonzero(kept) < FEWEST:
-            return Track(np.where(kept[:, None], track.pose, 0.0), kept)
-        steady = _unwrapped(Track(track.pose, kept))
-        models = [axis_model(axis, float(noise[axis])) for axis in range(3)]
-        density = np.array(
-            [best_process_noise(time_s, steady.pose[:, i], kept, model) for i, model in enumerate(models)]
-        )
+    noise = rough_noise(track)
+    loosely = kept = _both_ways(time_s, track, noise, FIRST_DENSITY)
+    if np.count_nonzero(kept) >= FEWEST:
+        density = _likely_density(time_s, Track(track.pose, kept), noise)
+        kept = _with_motion(_both_ways(time_s, track, noise, density), loosely, track.valid)
+    if np.count_nonzero(kept) < FEWEST:
+        return Track(np.where(kept[:, None], track.pose, 0.0), kept)
+    density = _likely_density(time_s, Track(track.pose, kept), noise)
     for _ in range(SECOND_LOOKS):
         if np.count_nonzero(kept) < FEWEST:
             break
-        again = track.valid & (_distance(time_s, Track(track.pose, kept), noise, density) <= LIMIT)
+        within = track.valid & (_distance(time_s, Track(track.pose, kept), noise, density) <= LIMIT)
+        again = _with_motion(within, loosely, track.valid)
         if np.array_equal(again, kept):
             break
         kept = again
@@ -79,6 +83,13 @@ def rough_noise(track: Track) -> FloatArray:
     return np.asarray(np.maximum(np.median(np.abs(third), axis=0) / (0.6745 * np.sqrt(20.0)), FLOOR))
 
 
+def _likely_density(time_s: FloatArray, track: Track, noise: FloatArray) -> FloatArray:
+    """Process noise (3,) that makes a track's poses most likely."""
+    pose, valid = _unwrapped(track).pose, track.valid
+    models = [axis_model(axis, float(noise[axis])) for axis in range(3)]
+    return np.array([best_process_noise(time_s, pose[:, i], valid, model) for i, model in enumerate(models)])
+
+
 def _both_ways(time_s: FloatArray, track: Track, noise: FloatArray, density: FloatArray) -> BoolArray:
     lock = np.stack([LOCK_POSE**2, LOCK_SPEED**2, LOCK_ACCELERATION**2], axis=1)
     steps = np.diff(time_s, prepend=time_s[:1])
@@ -87,6 +98,16 @@ def _both_ways(time_s: FloatArray, track: Track, noise: FloatArray, density: Flo
     forward = gate_kernel(steps, track.pose, track.valid, *settings)
     backward = gate_kernel(-back, track.pose[::-1].copy(), track.valid[::-1].copy(), *settings)
     return np.asarray(forward & backward[::-1])
+
+
+def _with_motion(kept: BoolArray, loosely: BoolArray, valid: BoolArray) -> BoolArray:
+    """Kept poses (T,), with those back that were refused with most about them and that a loose gate follows."""
+    rows = np.flatnonzero(valid)
+    together = uniform_filter1d((~kept[rows]).astype(float), AROUND, mode="nearest") >= MANY
+    followed = minimum_filter1d(loosely[rows], AROUND, mode="nearest")
+    result = kept.copy()
+    result[rows] |= together & followed
+    return result
 
 
 def _distance(time_s: FloatArray, track: Track, noise: FloatArray, density: FloatArray) -> FloatArray:

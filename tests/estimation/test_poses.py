@@ -2,6 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.ndimage import uniform_filter1d
 from scipy.spatial.transform import Rotation
 
 from slidepipe.errors import EstimationError, InputError
@@ -98,6 +99,22 @@ def test_swapped_markers_are_taken_out_wherever_they_begin(moving, length):
         kept = without_outliers(time, Track(swapped, np.ones(len(time), bool))).valid
         assert not (kept & wrong).any(), first
         assert np.count_nonzero(~kept & ~wrong) <= 3, first
+
+
+@pytest.mark.parametrize("reach_m", [0.016, 0.02, 0.024])
+def test_a_short_violent_motion_between_rests_is_no_swap(reach_m):
+    """Away for a tenth of a second, about, and back, as a hand in a slide of a few millimetres."""
+    fine = np.arange(1200) * 1e-3
+    share = np.clip(1.0 - np.abs(fine - 0.6) / 0.1, 0.0, 1.0)
+    time = np.arange(432) / 360.0
+    way = reach_m * np.interp(time, fine, uniform_filter1d(share**2, 10))
+    pose = np.stack([-way, 0.6 * way, -17.0 * way], axis=1)
+    noise = np.random.default_rng(4).normal(size=pose.shape) * [3e-4, 3e-4, 3e-3]
+    kept = without_outliers(time, Track(pose + noise, np.ones(len(time), bool))).valid
+    assert np.mean(kept[(time > 0.5) & (time < 0.7)]) > 0.9
+    swapped = (time > 0.52) & (time < 0.56)
+    away = pose + noise + np.where(swapped[:, None], [0.02, 0.01, 0.3], 0.0)
+    assert not np.any(without_outliers(time, Track(away, np.ones(len(time), bool))).valid[swapped])
 
 
 @pytest.mark.parametrize(
