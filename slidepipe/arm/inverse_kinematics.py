@@ -12,15 +12,15 @@ from numpy.polynomial import chebyshev
 from scipy.spatial.transform import Rotation
 
 from slidepipe.arm.model import HAND
+from slidepipe.arm.self_motion_kernel import towards_posture
 from slidepipe.errors import InfeasibleError
 from slidepipe.series import FloatArray
 
 APPROACH_POSTURE_COST = 1e-3
 """Weight of the posture beside the hand's pose on the way to the start of a path; along it the pose is exact."""
-STEP_TOLERANCE_RAD = 1e-8
+STEP_TOLERANCE_RAD = 3e-6
+"""Steps after which none is made: the next would be about as long as the square of the last."""
 MAX_STEPS = 50
-SECANT_BELOW_RAD, SECANT_RANGE = 0.1, (0.5, 4.0)
-"""Steps that are lengthened or shortened, and by how much at most."""
 POSITION_TOLERANCE_M = 1e-7
 ANGLE_TOLERANCE_RAD = 1e-6
 NODES = (9, 17, 33, 65)
@@ -62,14 +62,16 @@ class InverseKinematics:
         self._configuration = mink.Configuration(model, q=np.array(posture_rad, dtype=float))
         self._hand = mink.FrameTask(HAND, "site", position_cost=1.0, orientation_cost=0.3)
         self._posture = mink.PostureTask(model, cost=APPROACH_POSTURE_COST)
-        self._posture.set_target(np.array(posture_rad, dtype=float))
+        self._posture_rad = np.array(posture_rad, dtype=float)
         self._limits = [mink.ConfigurationLimit(model)]
-        self._range_rad = model.jnt_range.T.copy()
 
     def approach(self, path: HandPath) -> None:
         """Come near the first pose of a path from wherever the search is, with the posture held loosely."""
         self._hand.set_target(_targets(path)[0])
-        self._descend([self._hand, self._posture], [])
+        self._posture.set_target(self._posture_rad)
+        for _ in range(MAX_STEPS):
+            if self._step([self._hand, self._posture], []) < STEP_TOLERANCE_RAD:
+                break
 
     def solve(self, path: HandPath, near: FloatArray | None = None) -> FloatArray:
         """Joint angles (T, 7) along a path, each sought from the one before or from ``near`` (T, 7).
@@ -90,7 +92,10 @@ class InverseKinematics:
     def _pose(self, time_s: float) -> FloatArray:
         """Nearest to the posture among the configurations that hold the hand exactly on its target."""
         with suppress(mink.NoSolutionFound):  # then the pose is out of reach: how far, the error tells
-            self._descend([self._posture], [self._hand])
+            for _ in range(MAX_STEPS):
+                self._posture.set_target(self._nearest())
+                if self._step([self._posture], [self._hand]) < STEP_TOLERANCE_RAD:
+                    break
         error = self._hand.compute_error(self._configuration)
         missed_m, missed_rad = np.linalg.norm(error[:3]), np.linalg.norm(error[3:])
         if missed_m > POSITION_TOLERANCE_M or missed_rad > ANGLE_TOLERANCE_RAD:
@@ -102,36 +107,27 @@ class InverseKinematics:
             )
         return np.array(self._configuration.q)
 
-    def _descend(self, tasks: list[mink.Task], constraints: list[mink.Task]) -> None:
-        """Step until there is nothing to gain, each step as long as the change from the last to this one tells.
+    def _nearest(self) -> FloatArray:
+        """Where the self-motion is nearest to the posture, as Newton's method tells from here.
 
-        Steps that hold the pose lie along the arm's one free direction, where those of full length converge slowly.
+        Asked to go there instead of to the posture, steps that hold the pose converge as fast as the pose itself.
         """
-        moved, before = np.zeros(0), np.zeros(0)
-        for _ in range(MAX_STEPS):
-            step = mink.solve_ik(self._configuration, tasks, 1.0, "daqp", limits=self._limits, constraints=constraints)
-            size = np.max(np.abs(step))
-            share = _secant(moved, step - before) if len(moved) and size < SECANT_BELOW_RAD else 1.0
-            longer = self._configuration.q + share * step
-            if np.any((longer < self._range_rad[0]) | (longer > self._range_rad[1])):
-                share = 1.0
-            moved, before = share * step, step
-            self._configuration.integrate_inplace(moved, 1.0)
-            if size < STEP_TOLERANCE_RAD:
-                break
+        configuration = self._configuration
+        jacobian = configuration.get_frame_jacobian(HAND, "site")
+        twist, away = self._hand.compute_error(configuration), configuration.q - self._posture_rad
+        return np.asarray(configuration.q + towards_posture(jacobian, twist, away))
+
+    def _step(self, tasks: list[mink.Task], constraints: list[mink.Task]) -> float:
+        """Step once; by how much the joint moves that moves most."""
+        step = mink.solve_ik(self._configuration, tasks, 1.0, "daqp", limits=self._limits, constraints=constraints)
+        self._configuration.integrate_inplace(step, 1.0)
+        return float(np.max(np.abs(step)))
 
 
 def _targets(path: HandPath) -> list[mink.SE3]:
     """Poses as mink takes them."""
     quaternions = Rotation.from_matrix(path.matrix).as_quat(scalar_first=True)
     return [mink.SE3(values) for values in np.hstack([quaternions, path.position_m])]
-
-
-def _secant(moved: FloatArray, change: FloatArray) -> float:
-    """How long the next step should be beside what was solved for, from a move and the change of the steps over it."""
-    curvature = -float(moved @ change)
-    square = float(moved @ moved)
-    return float(np.clip(square / curvature, *SECANT_RANGE)) if curvature > 0.0 else SECANT_RANGE[1]
 
 
 def joint_path(

@@ -1,6 +1,7 @@
 """The arm as a MuJoCo model, built from the table in :mod:`slidepipe.arm.wam`."""
 
 from dataclasses import dataclass
+from functools import cache
 
 import mujoco
 import numpy as np
@@ -51,8 +52,9 @@ def arm_spec(tool: Tool, mass_scale: float = 1.0) -> mujoco.MjSpec:
     return spec
 
 
+@cache
 def nominal_model(tool: Tool) -> mujoco.MjModel:
-    """Compile the arm as its table says, with the gripper and block as one mass at the hand."""
+    """The arm as its table says, with the gripper and block as one mass at the hand; compiled once, never to change."""
     spec = arm_spec(tool)
     side = 0.03
     moment = wam.GRIPPER_MASS_KG * side**2

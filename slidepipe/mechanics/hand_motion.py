@@ -14,6 +14,12 @@ DEGREE = 7
 """Degree of the pieces that :meth:`HandMotion.from_function` fits."""
 FINEST = 12
 """How often a phase is halved at most."""
+AT = np.array([
+    *(0.5 * (1.0 - np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE))),
+    0.03, 0.12, 0.31, 0.44, 0.56, 0.69, 0.88, 0.97,
+])  # fmt: skip
+"""Shares of a piece at which it is fitted, Chebyshev's points, and then those at which the fit is judged."""
+POWERS = np.vander(AT, DEGREE + 1, increasing=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,10 +90,10 @@ class HandMotion:
         _check_times("hand motion: boundaries", boundaries)
         edges, pieces, jumps = [float(boundaries[0])], [], [True]
         for start, stop in pairwise(boundaries):
-            for _, high, piece in _phase(pose, float(start), float(stop), tolerance):
-                edges.append(high)
-                pieces.append(piece)
-                jumps.append(high >= stop)
+            ends, fitted = _phase(pose, float(start), float(stop), tolerance)
+            edges.extend(ends)
+            pieces.extend(fitted)
+            jumps.extend(ends >= stop)
         coefficients = np.array(pieces)
         spans = np.diff(edges)[:, None] ** np.arange(DEGREE + 1)
         used = np.max(np.abs(coefficients) * spans[:, :, None], axis=(0, 2)) > 0.01 * tolerance
@@ -111,29 +117,18 @@ class HandMotion:
 
 def _phase(
     pose: Callable[[FloatArray], FloatArray], start: float, stop: float, tolerance: float
-) -> list[tuple[float, float, FloatArray]]:
-    """Pieces of one phase, all of the same length: twice as many until they fit."""
+) -> tuple[FloatArray, FloatArray]:
+    """Ends (K,) and coefficients (K, DEGREE + 1, 3) of a phase's pieces, all as long: twice as many until they fit."""
     for level in range(FINEST + 1):
         edges = np.linspace(start, stop, 2**level + 1)
-        pieces = [_fit(pose, low, high) for low, high in pairwise(edges)]
-        if level == FINEST or all(_fits(pose, piece, tolerance) for piece in pieces):
-            return pieces
+        length = edges[1] - edges[0]
+        told = pose((edges[:-1, None] + length * AT).ravel()).reshape(-1, len(AT), 3)
+        # Powers of the share of the piece, then of the time.
+        powers = np.linalg.solve(POWERS[: DEGREE + 1], told[:, : DEGREE + 1])
+        missed = np.max(np.abs(POWERS[DEGREE + 1 :] @ powers - told[:, DEGREE + 1 :]))
+        if level == FINEST or missed < tolerance:
+            return edges[1:], powers / length ** np.arange(DEGREE + 1)[:, None]
     raise InputError("hand motion: a phase cannot be fitted")
-
-
-def _fit(pose: Callable[[FloatArray], FloatArray], low: float, high: float) -> tuple[float, float, FloatArray]:
-    nodes = 0.5 * (1.0 - np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE))
-    values = pose(low + nodes * (high - low))
-    # Powers of the share of the piece, then of the time.
-    powers = np.linalg.solve(np.vander(nodes, increasing=True), values)
-    return low, high, powers / (high - low) ** np.arange(DEGREE + 1)[:, None]
-
-
-def _fits(pose: Callable[[FloatArray], FloatArray], piece: tuple[float, float, FloatArray], tolerance: float) -> bool:
-    low, high, coefficients = piece
-    time_s = low + (high - low) * np.array([0.03, 0.12, 0.31, 0.44, 0.56, 0.69, 0.88, 0.97])
-    fitted = np.vander(time_s - low, DEGREE + 1, increasing=True) @ coefficients
-    return bool(np.max(np.abs(fitted - pose(time_s))) < tolerance)
 
 
 def _check_times(name: str, time_s: FloatArray) -> None:

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from scipy.interpolate import BarycentricInterpolator
 
 from slidepipe.arm import wam
 from slidepipe.arm.dynamics import elbow_speed, inverse_dynamics
@@ -41,7 +40,7 @@ class ArmAlong:
         edges = np.concatenate([[0.0], np.cumsum(self.times)])
         phase = np.clip(np.searchsorted(edges, np.mean(time_s), side="right") - 1, 0, PHASES - 1)
         share = (time_s - edges[phase]) / self.times[phase]
-        return np.asarray(BarycentricInterpolator(nodes(COARSE).points, self.position_rad[phase])(share))
+        return nodes(COARSE).between(self.position_rad[phase], share)
 
 
 class ArmAsked:

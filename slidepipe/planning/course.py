@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import BarycentricInterpolator
 
 from slidepipe.errors import InputError
 from slidepipe.mechanics.dynamics import Block, finger_acceleration, finger_velocity, sticking_load
@@ -164,12 +163,11 @@ class CourseMotion:
 
     def _object(self, time_s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         edges, state = self.course.edges, np.zeros((len(time_s), 9))
-        points = nodes(FINE).points
         for phase in range(profile_kernel.PHASES):
             inside = (time_s >= edges[phase]) & (time_s < edges[phase + 1])
             if np.any(inside):
                 share = (time_s[inside] - edges[phase]) / (edges[phase + 1] - edges[phase])
-                state[inside] = BarycentricInterpolator(points, self._tables[phase, :, :9])(share)
+                state[inside] = nodes(FINE).between(self._tables[phase, :, :9], share)
         state[time_s >= edges[-1], :3] = self.course.q_o_end
         return state[:, :3], state[:, 3:6], state[:, 6:]
 

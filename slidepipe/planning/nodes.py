@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 from numpy.polynomial import chebyshev
+from scipy.interpolate import BarycentricInterpolator
 
 from slidepipe.series import FloatArray
 
@@ -32,6 +33,10 @@ class Nodes:
     powers: FloatArray
     rate: FloatArray
 
+    def between(self, values: FloatArray, share: FloatArray) -> FloatArray:
+        """Values (T, ...) at shares (T,) of the phase, from those (N, ...) at the points."""
+        return np.asarray(BarycentricInterpolator(self.points, values, wi=_weights(len(self.points)))(share))
+
 
 @cache
 def nodes(count: int) -> Nodes:
@@ -51,3 +56,10 @@ def nodes(count: int) -> Nodes:
     integral = chebyshev.chebvander(2.0 * points - 1.0, count) @ antiderivatives
     rate = 2.0 * chebyshev.chebvander(2.0 * points - 1.0, count - 2) @ chebyshev.chebder(coefficients)
     return Nodes(*(np.ascontiguousarray(values, dtype=float) for values in (points, integral, powers, rate)))
+
+
+def _weights(count: int) -> FloatArray:
+    """Barycentric weights of Chebyshev points of the second kind: of alternating sign, half as large at the ends."""
+    weights = np.where(np.arange(count) % 2, -1.0, 1.0)
+    weights[[0, -1]] *= 0.5
+    return weights

@@ -27,7 +27,7 @@ BRAKE_SHARE, CATCH_SHARE = (0.1, 2.5), (0.0, 1.0)
 SEED, STARTS = 1, 6
 """First seed of the random numbers, and with how many a search begins anew before it gives up."""
 ISLANDS, SIZE = 2, 24
-EPOCH, EPOCHS, FINAL_EPOCHS = 8, 10, 4
+EPOCH, EPOCHS, FINAL_EPOCHS, REFINING_EPOCHS = 8, 10, 4, 3
 """Rounds between two exchanges of the islands' best, and how many exchanges at most."""
 CLOSE = 1e-3
 """Costs that differ by less are alike."""
@@ -143,7 +143,7 @@ class Search:
         Else from anywhere; where that ends without a choice that does, from elsewhere again, up to ``starts`` times.
         """
         if near is not None:
-            return self._twice(self._loosened(near), SEED)
+            return self._refined(near)
         found = self._twice(self._anywhere(SEED), SEED)
         for seed in range(SEED + 1, SEED + starts):
             if found.feasible:
@@ -151,6 +151,15 @@ class Search:
             other = self._twice(self._anywhere(seed), seed)
             found = min(found, other, key=lambda one: float(one.figures[kernel.COST]))
         return found
+
+    def _refined(self, near: FloatArray) -> Found:
+        """Search in earnest at once, for the first search of a task much like this one was rough enough for both."""
+        start = self._loosened(near)
+        if lone(self.setup.fingers):
+            found = self._polished(self._evolve(start, REFINING_EPOCHS, SEED, simulated=True), simulated=True)
+            if found.feasible:
+                return found
+        return self._twice(start, SEED)
 
     def _twice(self, start: FloatArray, seed: int) -> Found:
         rough = self._evolve(start, EPOCHS, seed, simulated=False)

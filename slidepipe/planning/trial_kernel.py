@@ -60,12 +60,12 @@ def tried(breaks, coefficients, jumps, body, ratio, tolerance, r_start, r):
 
 @njit(**FAST)
 def worst_of_two(breaks, coefficients, jumps, body, r_start, r_goal, error, r):
-    """Worse measure of a trial with that much more friction and one with that much less.
+    """Worse measure of a trial with that much less friction, which fails first more often, and one with more.
 
     The second is not run where the first fails.
     """
     worst = 0.0
-    for way in (1.0, -1.0):
+    for way in (-1.0, 1.0):
         ended = tried(breaks, coefficients, jumps, body, 1.0 + way * error, SEARCH_TOLERANCE_M, r_start, r)
         worst = max(worst, measure(body, r, ended, r_start, r_goal, body[3]))
         if worst >= 1.0:
