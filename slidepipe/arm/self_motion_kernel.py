@@ -1,4 +1,4 @@
-"""The arm's self-motion, compiled: what its joints can do while the hand stays, and where on it a posture is nearest."""
+"""The arm's self-motion, compiled: its joints moving while the hand stays, and where on it a posture is nearest."""
 
 import numpy as np
 from numba import njit
@@ -46,8 +46,4 @@ def turning(jacobian, free, multiplier, turned):
 @njit(cache=True)
 def triple(a, b, c):
     """``a . (b x c)``."""
-    return (
-        a[0] * (b[1] * c[2] - b[2] * c[1])
-        + a[1] * (b[2] * c[0] - b[0] * c[2])
-        + a[2] * (b[0] * c[1] - b[1] * c[0])
-    )
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])

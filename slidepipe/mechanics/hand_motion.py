@@ -88,7 +88,8 @@ class HandMotion:
             Largest deviation in m and rad, checked between the nodes.
         """
         _check_times("hand motion: boundaries", boundaries)
-        edges, pieces, jumps = [float(boundaries[0])], [], [True]
+        edges, jumps = [float(boundaries[0])], [True]
+        pieces: list[FloatArray] = []
         for start, stop in pairwise(boundaries):
             ends, fitted = _phase(pose, float(start), float(stop), tolerance)
             edges.extend(ends)

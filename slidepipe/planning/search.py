@@ -29,7 +29,7 @@ SEED, STARTS = 1, 6
 ISLANDS, SIZE = 2, 24
 EPOCH, EPOCHS, FINAL_EPOCHS, REFINING_EPOCHS = 8, 10, 4, 3
 """Rounds between two exchanges of the islands' best, and how many exchanges at most."""
-CLOSE = 1e-3
+CLOSE = 2e-3
 """Costs that differ by less are alike."""
 KEPT, LOOSE = 8, 0.08
 """How many of the best stay as they are between two searches, and by what share of their range the others move."""

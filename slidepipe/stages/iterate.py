@@ -30,7 +30,7 @@ from slidepipe.stages.plan_files import EXPERIMENT, PLAN, Occasion, write_plan
 from slidepipe.stages.translate import vector
 from slidepipe.stages.trial_facts import RECORDING
 
-STAGE, STAGE_VERSION = "iterate", 2
+STAGE, STAGE_VERSION = "iterate", 3
 WHY, ARM = "why", "arm"
 """Roles of the files beside the plan's."""
 DIGITS = 9

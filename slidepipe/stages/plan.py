@@ -11,9 +11,8 @@ from slidepipe.artifacts.store import Store
 from slidepipe.artifacts.strict_yaml import load
 from slidepipe.stages.motions import first_plan, resolved
 from slidepipe.stages.plan_files import EXPERIMENT, PLAN, Occasion, write_plan
-from slidepipe.stages.plan_picture import picture_plan
 
-STAGE, STAGE_VERSION = "plan", 2
+STAGE, STAGE_VERSION = "plan", 3
 FIGURE, FIGURE_FILE = "figure", "plan.png"
 
 
@@ -69,5 +68,8 @@ def run(request: PlanRequest) -> PlanResult:
         occasion = Occasion(1, reason, None, experiment.friction, None)
         document = write_plan(draft, chosen, resolved(experiment, chosen), occasion)
         if request.figure:
+            # Only then, for matplotlib takes half a second to import.
+            from slidepipe.stages.plan_picture import picture_plan  # noqa: PLC0415
+
             picture_plan(chosen, f"{experiment.name}: {document.objective}", draft.add(FIGURE, FIGURE_FILE))
     return PlanResult(draft.run, document, reused=False)

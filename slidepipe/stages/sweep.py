@@ -29,7 +29,7 @@ from slidepipe.stages.plan_files import EXPERIMENT
 from slidepipe.stages.sweep_worlds import SweepTask, World, experiment_of, work_on
 from slidepipe.stages.workers import here, on_cluster, on_processes
 
-STAGE, TRIAL_STAGE, STAGE_VERSION = "sweep", "sweep-trial", 1
+STAGE, TRIAL_STAGE, STAGE_VERSION = "sweep", "sweep-trial", 2
 SWEEP, SWEEP_TRIAL, TABLE = "sweep", "sweep_trial", "table"
 """Roles of the files."""
 WORLDS_A_TASK = {"mechanics": 50, "lab": 1}

@@ -60,3 +60,10 @@ def test_only_what_is_no_better_is_given_up(search: Search, simulated: bool) -> 
         told = search.assess(choices, simulated=simulated, beat=float(beat))[:, kernel.COST]
         np.testing.assert_array_equal(told[exact < beat], exact[exact < beat])
         assert np.all(told[exact >= beat] >= beat)
+
+
+def test_a_search_from_where_another_ended_is_no_worse(search: Search) -> None:
+    first = search.best()
+    again = search.best(near=first.population)
+    assert again.feasible
+    assert again.figures[kernel.COST] <= first.figures[kernel.COST]
