@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 
 import mink
@@ -64,6 +65,7 @@ class InverseKinematics:
         self._posture = mink.PostureTask(model, cost=APPROACH_POSTURE_COST)
         self._posture_rad = np.array(posture_rad, dtype=float)
         self._limits = [mink.ConfigurationLimit(model)]
+        self._range_rad = model.jnt_range.T.copy()
 
     def approach(self, path: HandPath) -> None:
         """Come near the first pose of a path from wherever the search is, with the posture held loosely."""
@@ -118,8 +120,15 @@ class InverseKinematics:
         return np.asarray(configuration.q + towards_posture(jacobian, twist, away))
 
     def _step(self, tasks: list[mink.Task], constraints: list[mink.Task]) -> float:
-        """Step once; by how much the joint moves that moves most."""
-        step = mink.solve_ik(self._configuration, tasks, 1.0, "daqp", limits=self._limits, constraints=constraints)
+        """Step once; by how much the joint moves that moves most.
+
+        Most steps stay within the ranges though none is asked for, and are the same without.
+        """
+        solve = partial(mink.solve_ik, self._configuration, tasks, 1.0, "daqp", constraints=constraints)
+        step = solve(limits=[])
+        lower, upper = self._range_rad
+        if np.any(self._configuration.q + step < lower) or np.any(self._configuration.q + step > upper):
+            step = solve(limits=self._limits)
         self._configuration.integrate_inplace(step, 1.0)
         return float(np.max(np.abs(step)))
 

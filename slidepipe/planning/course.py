@@ -159,7 +159,12 @@ class CourseMotion:
 
     def hand_motion(self) -> HandMotion:
         """The hand's motion as polynomials, to simulate an object under it."""
-        return HandMotion.from_function(lambda time_s: self.sample(time_s).q_f, self.course.boundaries)
+        return HandMotion.from_function(self._hand, self.course.boundaries)
+
+    def _hand(self, time_s: FloatArray) -> FloatArray:
+        """Poses (T, 3) of the hand in {w}."""
+        time_s = _on_boundaries(time_s, self.course.boundaries)
+        return finger_pose(self._object(time_s)[0], self._relative(time_s)[0])
 
     def _object(self, time_s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         edges, state = self.course.edges, np.zeros((len(time_s), 9))
