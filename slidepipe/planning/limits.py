@@ -14,6 +14,8 @@ from slidepipe.planning.course import Course, CourseMotion, Motion
 from slidepipe.series import FloatArray
 
 ALIKE = 1e-12
+DIGITS = (4, 6, 9, 17)
+"""With which a value is told: more where it would look like the bound that it breaks."""
 JUMP_S = 1e-8
 """Just before a boundary: beyond what counts as rounding."""
 JUMP, AT_REST = 1e-4, 1e-9
@@ -74,8 +76,9 @@ class Check:
     def __str__(self) -> str:
         """One line for a person."""
         verdict = "within" if self.satisfied else "beyond"
-        reached = f"{self.value:.4g} {self.unit} at t = {self.time_s:.3f} s"
-        return f"{self.name}: {reached}, {verdict} {self.bound:.4g} {self.unit}"
+        digits = next(n for n in DIGITS if self.satisfied or f"{self.value:.{n}g}" != f"{self.bound:.{n}g}")
+        reached = f"{self.value:.{digits}g} {self.unit} at t = {self.time_s:.3f} s"
+        return f"{self.name}: {reached}, {verdict} {self.bound:.{digits}g} {self.unit}"
 
 
 def check_grasp(

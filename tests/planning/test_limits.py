@@ -136,6 +136,8 @@ def test_a_check_in_words() -> None:
     assert str(met) == "hand speed: 1.829 m/s at t = 0.300 s, within 3 m/s"
     assert str(dataclasses.replace(met, bound=1.5)) == "hand speed: 1.829 m/s at t = 0.300 s, beyond 1.5 m/s"
     assert dataclasses.replace(met, bound=1.8289).satisfied
+    barely = dataclasses.replace(met, value=0.9500004, bound=0.95)
+    assert str(barely) == "hand speed: 0.9500004 m/s at t = 0.300 s, beyond 0.95 m/s"
 
 
 @pytest.mark.parametrize("name", ["joint_speed_rad_s", "joint_torque_n_m"])
