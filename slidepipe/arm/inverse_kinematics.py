@@ -24,8 +24,8 @@ STEP_TOLERANCE_RAD = 3e-6
 MAX_STEPS = 50
 POSITION_TOLERANCE_M = 1e-7
 ANGLE_TOLERANCE_RAD = 1e-6
-NODES = (9, 17, 33, 65)
-"""How many points of a piece are solved for."""
+NODES = (8, 15, 29, 57)
+"""How many points of a piece are solved for; at the first, a search that asked the arm knows the angles already."""
 CONVERGED_RAD = 1e-8
 
 
