@@ -30,9 +30,11 @@ def spoil(tmp_path: Path, old: str, new: str) -> None:
     [
         ("friction: 0.38  ", "#", "mine.yaml:1:1: friction: required key is missing"),
         ("mass_kg", "colour: red, mass_kg", "mine.yaml:5:60: object.colour: unknown key, allowed are"),
-        ("mass_kg: 0.023", "mass_kg: -0.023", "mine.yaml:5:60: object.mass_kg: must be > 0, got -0.023"),
+        ("mass_kg: 0.023", "mass_kg: -0.023", "mine.yaml:5:60: object.mass_kg: must be > 0, got -0.023 kg"),
+        ("mass_kg: 0.023", "mass_kg: 23 g", "mine.yaml:5:60: object.mass_kg: must be a number of kg, got '23 g'"),
+        ("name: paper_linear", "name: my: block", "mapping values are not allowed in this context: text with a colon"),
         ("{x_m: 0.01, y_m: 0.02", "{x_m: 0.01, y_m: 0.06", "goal.relative_pose.y_m: the goal is outside the object"),
-        ("slide_s: 0.2", "slide_s: 0", "motion.slide_s: must be > 0, got 0"),
+        ("slide_s: 0.2", "slide_s: 0", "motion.slide_s: must be > 0, got 0 s"),
         ("friction: 0.38", "friction: 1e-05", "friction: must be >= 0.01, got 1e-05"),
         ("friction: 0.38", "friction: 0.38\nfriction: 0.4", "friction: duplicate key, first given at line 16"),
     ],

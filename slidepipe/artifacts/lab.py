@@ -9,11 +9,12 @@ from pydantic import Field
 from slidepipe.artifacts.arm_setup import Joints, PositiveJoints
 from slidepipe.artifacts.faults import Fault
 from slidepipe.artifacts.schema import Artifact, Record, parse
+from slidepipe.artifacts.shapes import HOST
 from slidepipe.artifacts.strict_yaml import load
 from slidepipe.artifacts.values import NotNegative, Positive, Slug
 from slidepipe.errors import NotFoundError
 
-Host = Annotated[str, Field(pattern=r"^(\d{1,3}\.){3}\d{1,3}$")]
+Host = Annotated[str, Field(pattern=HOST)]
 """An IPv4 address: of one interface, never of all."""
 Port = Annotated[int, Field(ge=1, le=65535)]
 Seconds = Annotated[float, Field(gt=0.0, le=3600.0)]
@@ -141,7 +142,8 @@ class LabDocument(Artifact):
         ):
             if not low <= at <= high:
                 yield Fault(
-                    ("arm", "home_pose_rad", joint), f"must be within the joint's limits {low:g} and {high:g}, got {at}"
+                    ("arm", "home_pose_rad", joint),
+                    f"must be within the joint's limits {low:g} and {high:g} rad, got {at} rad",
                 )
         if self.arm.local == self.arm.remote:
             yield Fault(("arm", "local"), "must differ from arm.remote: both ends cannot have the same port")

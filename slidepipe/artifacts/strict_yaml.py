@@ -208,7 +208,23 @@ def _problem(error: yaml.MarkedYAMLError, text: str) -> str:
     line = text.splitlines()[mark.line : mark.line + 1] if mark else []
     if mark and "cannot start any token" in (error.problem or "") and line and line[0][mark.column :][:1] == "\t":
         return "a tab cannot indent YAML: use spaces"
-    return " ".join(part for part in (error.context, error.problem) if part)
+    hint = next((hint for problem, hint in _HINTS.items() if problem in (error.problem or "")), None)
+    if hint is None:
+        return " ".join(part for part in (error.context, error.problem) if part)
+    apart = error.context_mark is not None and _line_column(error.context_mark) != _line_column(mark)
+    begun = f" in what begins at {_line_column(error.context_mark)}" if apart else ""
+    return f"{error.problem}{begun}: {hint}"
+
+
+_HINTS = {
+    "mapping values are not allowed": "text with a colon needs quotes, a key its own line and a space after the colon",
+    "could not find expected ':'": "a key needs a colon and a space after it",
+    "did not find expected key": "the keys of a mapping begin in the same column, and a quote is closed on its line",
+    "did not find expected ',' or": "a comma stands between entries, and a bracket closes them",
+    "cannot start any token": "text that begins with such a character needs quotes",
+    "unexpected end of stream": "a quote or bracket that was opened is not closed",
+}
+"""What is mostly the matter where the parser says this."""
 
 
 def _line_column(mark: Any) -> str:

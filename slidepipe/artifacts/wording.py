@@ -1,6 +1,41 @@
 """How messages show values."""
 
+import re
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+
+UNITS = MappingProxyType(
+    {
+        "kg": "kg",
+        "m": "m",
+        "s": "s",
+        "ns": "ns",
+        "rad": "rad",
+        "n": "N",
+        "hz": "Hz",
+        "ppm": "ppm",
+        "n_m": "N m",
+        "m_s": "m/s",
+        "m_s2": "m/s^2",
+        "rad_s": "rad/s",
+        "rad_s2": "rad/s^2",
+        "rad_s3": "rad/s^3",
+    }
+)
+"""What the end of a key says of the unit of its value."""
+_ENDING = re.compile(f"_({'|'.join(UNITS)})$")
+
+
+def unit_of(key: str) -> str:
+    """Unit that a key names at its end; empty where it names none.
+
+    Examples
+    --------
+    >>> unit_of("joint_torque_n_m"), unit_of("mass_kg"), unit_of("name")
+    ('N m', 'kg', '')
+    """
+    ending = _ENDING.search(key)
+    return UNITS[ending[1]] if ending else ""
 
 
 def describe(value: object) -> str:

@@ -94,6 +94,8 @@ class Verbs(click.Group):
         render.hear()
         try:
             return _flushed(lambda: super(Verbs, self).invoke(ctx))
+        except click.NoSuchOption as error:
+            raise _misplaced(self, error) or error from None
         except SlidepipeError as error:
             render.fail(error)
             ctx.exit(exit_code(error))
@@ -129,6 +131,17 @@ def cli(ctx: click.Context, data: Path) -> None:
 def main() -> None:
     """Run the command line."""
     cli(prog_name="slidepipe")
+
+
+def _misplaced(group: click.Group, error: click.NoSuchOption) -> click.UsageError | None:
+    """Say where an option belongs that was given after the verb, and is one of the group; None where it is not."""
+    option = next((one for one in group.params if error.option_name in one.opts), None)
+    if option is None or error.ctx is None:
+        return None
+    takes = "" if isinstance(option, click.Option) and option.is_flag else f" {option.make_metavar(error.ctx)}"
+    program, _, verb = error.ctx.command_path.partition(" ")
+    where = f"{program} {error.option_name}{takes} {verb}"
+    return click.UsageError(f"{error.option_name} is an option of {program} itself, before the command: {where}")
 
 
 def _module(verb: str) -> str:

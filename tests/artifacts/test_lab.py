@@ -34,9 +34,9 @@ def test_labs_are_found_by_name_and_by_path() -> None:
     ("old", "new", "words"),
     [
         ("dialect: bridge ", "dialect: brigde ", r"a.yaml:6:3: arm.dialect: must be 'positions', 'velocities' or 'br"),
-        ("host: 127.0.0.1, port: 5555", "host: localhost, port: 5555", r"arm.local.host: must match .*'localhost'"),
+        ("host: 127.0.0.1, port: 5555", "host: localhost, port: 5555", r"arm.local.host: must be an IPv4.*'localhost'"),
         ("port: 5556", "port: 5555", r"a.yaml:7:3: arm.local: must differ from arm.remote"),
-        ("home_pose_rad: [1.074", "home_pose_rad: [3.0", r"home_pose_rad\[0\]: must be within .* -2.6 and 2.6, got 3"),
+        ("home_pose_rad: [1.074", "home_pose_rad: [3.0", r"home_pose_rad\[0\]: must be within .* and 2.6 rad, got 3"),
         ("home_pose_rad: [1.074, ", "home_pose_rad: [", r"arm.home_pose_rad: must have 7 entries, got 6"),
         ("quaternion_xyzw: [0.0, 0.0, 0.0, 1.0]", "quaternion_xyzw: [0.0, 0.0, 0.0, 2.0]",
          r"cameras.frame.quaternion_xyzw: must have the length 1, got 2"),

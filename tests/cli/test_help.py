@@ -125,3 +125,19 @@ def test_wrong_usage(call, arguments: list[str]) -> None:
     assert result.stdout == ""
     assert result.stderr.startswith("Usage: slidepipe ")
     assert "\nError: " in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("typed", "right"),
+    [
+        (["ls", "--version"], "slidepipe --version ls"),
+        (["ls", "--data", "elsewhere"], "slidepipe --data PATH ls"),
+        (["run", "a.yaml", "--data=elsewhere"], "slidepipe --data PATH run"),
+        (["lab", "check", "loopback", "--version"], "slidepipe --version lab check"),
+    ],
+)
+def test_an_option_of_the_group_after_the_verb(call, typed: list[str], right: str) -> None:
+    option = right.split()[1]
+    result = call(*typed)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr == f"Error: {option} is an option of slidepipe itself, before the command: {right}\n"
