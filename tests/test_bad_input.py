@@ -58,6 +58,13 @@ def test_directory_for_a_file(call: Callable, tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["folder"]
 
 
+def test_a_file_whose_name_is_nearly_right(call: Callable, tmp_path: Path) -> None:
+    (tmp_path / "robust.yaml").write_text("")
+    result = call("run", "robst.yaml")
+    assert (result.exit_code, result.stdout) == (4, "")
+    assert result.stderr == "error: robst.yaml: no such file; did you mean robust.yaml?\n"
+
+
 def test_truncated_recording(call: Callable, tmp_path: Path) -> None:
     (tmp_path / "cut.mcap").write_bytes(RECORDED.read_bytes()[:100_000])
     result = call("estimate", "cut.mcap")

@@ -12,6 +12,7 @@ from slidepipe.artifacts.schema import Artifact, Record, parse
 from slidepipe.artifacts.shapes import HOST
 from slidepipe.artifacts.strict_yaml import load
 from slidepipe.artifacts.values import NotNegative, Positive, Slug
+from slidepipe.artifacts.wording import instead
 from slidepipe.errors import NotFoundError
 
 Host = Annotated[str, Field(pattern=HOST)]
@@ -180,8 +181,8 @@ def find_lab(name: str, beside: Path) -> Path:
     directory = beside / DIRECTORY
     path = directory / f"{name}.yaml"
     if not path.is_file():
-        there = ", ".join(sorted(one.stem for one in directory.glob("*.yaml"))) or "none"
-        raise NotFoundError(f"lab {name}: there is no {path}; labs there: {there}")
+        there = sorted(one.stem for one in directory.glob("*.yaml"))
+        raise NotFoundError(f"lab {name}: no {path}, {instead(name, there)}")
     return path
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from slidepipe.artifacts.run_id import STAGING, day_of
-from slidepipe.artifacts.wording import one_of
+from slidepipe.artifacts.wording import instead, one_of
 from slidepipe.errors import InputError, NotFoundError, StoreError
 
 if TYPE_CHECKING:
@@ -89,9 +89,8 @@ class Refs:
         experiment, _, name = reference.removeprefix("@").rpartition("/")
         paths = [path for path in self.paths(experiment or "*") if path.name == name]
         if not paths:
-            known = one_of([f"@{path.name}" for path in self.paths()])
-            there = f"@{LATEST}, @{LATEST}:STAGE" + (f", {known}" if known else "")
-            raise NotFoundError(f"run {reference}: no such name, there are {there}")
+            known = [f"@{LATEST}", f"@{LATEST}:STAGE", *(f"@{path.name}" for path in self.paths())]
+            raise NotFoundError(f"run {reference}: no such name, {instead(reference, known)}")
         if len(paths) > 1:
             raise NotFoundError(f"run {reference}: may be {one_of([f'@{path.parent.name}/{name}' for path in paths])}")
         return self.read(paths[0])

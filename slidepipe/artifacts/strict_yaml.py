@@ -9,7 +9,7 @@ from typing import Any
 
 import yaml
 
-from slidepipe.artifacts.wording import describe
+from slidepipe.artifacts.wording import describe, nearest
 from slidepipe.artifacts.yaml_loader import StrictLoader
 from slidepipe.artifacts.yaml_scalars import STR, use_core_schema
 from slidepipe.errors import InputError, NotFoundError
@@ -89,7 +89,8 @@ def load(path: Path) -> YamlDocument:
     try:
         raw = path.read_bytes()
     except FileNotFoundError:
-        raise NotFoundError(f"{path}: no such file") from None
+        there = [str(one) for one in sorted(path.parent.glob("*.yaml"))]
+        raise NotFoundError(f"{path}: no such file{nearest(str(path), there)}") from None
     except IsADirectoryError:
         raise InputError(f"{path}: is a directory, a YAML file is needed") from None
     except OSError as error:

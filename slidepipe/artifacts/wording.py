@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
 from types import MappingProxyType
 
 UNITS = MappingProxyType(
@@ -60,3 +61,30 @@ def one_of(candidates: Sequence[str], limit: int = 5) -> str:
     """
     shown = ", ".join(candidates[:limit])
     return shown if len(candidates) <= limit else f"{shown} and {len(candidates) - limit} more"
+
+
+def nearest(asked: str, names: Sequence[str]) -> str:
+    """Name that may have been meant, as the end of a message; empty where none is near.
+
+    Examples
+    --------
+    >>> nearest("robst", ["robust", "regrasp"])
+    '; did you mean robust?'
+    """
+    near = get_close_matches(asked, names, n=1)
+    return f"; did you mean {near[0]}?" if near else ""
+
+
+def instead(asked: str, names: Sequence[str]) -> str:
+    """What there is where a name is not there, for a message.
+
+    Examples
+    --------
+    >>> instead("nolab", ["loopback", "wam"])
+    'there are loopback, wam'
+    >>> instead("robst", ["robust"])
+    'there is robust; did you mean robust?'
+    """
+    if not names:
+        return "there are none"
+    return f"there {'is' if len(names) == 1 else 'are'} {one_of(names, 8)}{nearest(asked, names)}"

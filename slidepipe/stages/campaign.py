@@ -46,11 +46,15 @@ def run(request: CampaignRequest) -> CampaignResult:
     Raises
     ------
     InputError
-        The experiment file is wrong.
+        The experiment file, or the lab's, is wrong.
+    NotFoundError
+        There is no such file.
     InfeasibleError
         The first motion breaks a limit. A later one that does ends the campaign, which says so.
     """
     experiment = load_experiment(request.experiment, request.overrides)
+    if request.lab is not None:
+        request.lab.document()  # what is wrong with it is told before anything is planned for it
     first = plan.run(plan.PlanRequest(request.experiment, request.store, request.overrides, command=request.command))
     tip = _begin(request, first.run)
     if tip.estimate_run is not None:

@@ -24,7 +24,7 @@ def test_labs_are_found_by_name_and_by_path() -> None:
     path = EXPERIMENTS / "labs" / "wam.yaml"
     assert find_lab("wam", EXPERIMENTS) == path
     assert find_lab(str(path), Path("elsewhere")) == path
-    with pytest.raises(NotFoundError, match=r"^lab wan: there is no .*wan.yaml; labs there: loopback, wam$"):
+    with pytest.raises(NotFoundError, match=r"^lab wan: no .*wan.yaml, there are loopback, wam; did you mean wam.$"):
         find_lab("wan", EXPERIMENTS)
     with pytest.raises(NotFoundError, match=r"^lab none.yaml: there is no such file$"):
         find_lab("none.yaml", EXPERIMENTS)

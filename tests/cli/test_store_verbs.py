@@ -155,7 +155,7 @@ def test_ref(call, store) -> None:
     result = call("show", "@best")
     assert (result.exit_code, result.stderr) == (
         4,
-        "error: run @best: no such name, there are @latest, @latest:STAGE\n",
+        "error: run @best: no such name, there are @latest, @latest:STAGE; did you mean @latest?\n",
     )
     assert call("ref", "latest", run.id).exit_code == 3
     assert call("ref", "--delete").exit_code == 2
@@ -283,3 +283,16 @@ def test_a_lost_run_is_listed_as_such(call, store) -> None:
     with store.draft(stage="execute", stage_version=1, experiment="a", parameters={}) as draft:
         draft.state = RunState.LOST
     assert json.loads(call("ls", "--json").stdout)["runs"][0]["state"] == "lost"
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("@latest:plann", "of the stages there is plan; did you mean plan?"),
+        ("regrasp", "it is an experiment: slidepipe ls --experiment regrasp lists its runs"),
+    ],
+)
+def test_a_name_that_is_not_there_is_told_with_what_there_is(call, publish, name: str, told: str) -> None:
+    publish(samples.plan_run())
+    result = call("show", name)
+    assert (result.exit_code, result.stderr) == (4, f"error: run {name}: there is none in data; {told}\n")
