@@ -1,5 +1,7 @@
 """Check a lab: what its arm and its cameras say, without a word to the arm."""
 
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import dataclass
 
@@ -16,6 +18,8 @@ from slidepipe.lab.transport import UdpTransport
 from slidepipe.lab.wam_codec import CODECS
 from slidepipe.stages.labs import address, camera_settings
 from slidepipe.stages.on_lab import EXPERIMENTS
+
+Look = Callable[[LabDocument, float], list[tuple[str, str, bool]]]
 
 LISTEN_S = 2.0
 """How long both streams are listened to."""
@@ -55,13 +59,17 @@ def run(name: str, listen_s: float = LISTEN_S) -> LabCheck:
         It is wrong.
     """
     lab = load_lab(find_lab(name, EXPERIMENTS))
-    facts = []
-    for about, look in (("arm", _arm), ("cameras", _cameras)):
-        try:
-            facts += [Fact(about, *row) for row in look(lab, listen_s)]
-        except LabError as error:
-            facts.append(Fact(about, "error", str(error), sound=False))
-    return LabCheck(lab, tuple(facts))
+    looks = (("arm", _arm), ("cameras", _cameras))
+    with ThreadPoolExecutor(len(looks)) as both:
+        found = both.map(lambda one: _facts(*one, lab, listen_s), looks)
+        return LabCheck(lab, tuple(fact for facts in found for fact in facts))
+
+
+def _facts(about: str, look: Look, lab: LabDocument, listen_s: float) -> list[Fact]:
+    try:
+        return [Fact(about, *row) for row in look(lab, listen_s)]
+    except LabError as error:
+        return [Fact(about, "error", str(error), sound=False)]
 
 
 def _arm(lab: LabDocument, listen_s: float) -> list[tuple[str, str, bool]]:

@@ -115,6 +115,8 @@ def test_version(call) -> None:
         ["execute", "@latest", "--seed", "-1"],
         ["iterate", "@latest", "--way", "guess"],
         ["run", "a.yaml", "--trials", "0"],
+        ["run", "a.yaml", "--repeat", "2", "--lab", "loopback"],
+        ["run", "a.yaml", "--repeat", "2", "--trials", "3", "--way", "goal"],
         ["ls", "too-much"],
         ["show"],
     ],
