@@ -1,6 +1,9 @@
 """What a person does wrong is told in one line, with exit code 3, and leaves nothing behind."""
 
+import resource
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -63,6 +66,19 @@ def test_a_file_whose_name_is_nearly_right(call: Callable, tmp_path: Path) -> No
     result = call("run", "robst.yaml")
     assert (result.exit_code, result.stdout) == (4, "")
     assert result.stderr == "error: robst.yaml: no such file; did you mean robust.yaml?\n"
+
+
+@pytest.mark.parametrize("limit_bytes", [1000, 8000, 40_000])
+def test_a_store_that_cannot_be_written(tmp_path: Path, limit_bytes: int) -> None:
+    """No file may grow beyond a limit, which ends writes as a full disk does."""
+
+    def narrow() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit_bytes, limit_bytes))
+
+    command = [sys.executable, "-m", "slidepipe", "plan", str(ROOT / "experiments" / "paper_rotational.yaml")]
+    done = subprocess.run(command, cwd=tmp_path, preexec_fn=narrow, capture_output=True, text=True, check=False)  # noqa: S603
+    assert (done.returncode, done.stdout, done.stderr) == (5, "", "error: data: File too large\n")
+    assert not list(tmp_path.iterdir())
 
 
 def test_truncated_recording(call: Callable, tmp_path: Path) -> None:

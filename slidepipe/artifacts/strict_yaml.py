@@ -89,8 +89,8 @@ def load(path: Path) -> YamlDocument:
     try:
         raw = path.read_bytes()
     except FileNotFoundError:
-        there = [str(one) for one in sorted(path.parent.glob("*.yaml"))]
-        raise NotFoundError(f"{path}: no such file{nearest(str(path), there)}") from None
+        meant = nearest(path.stem, {one.stem: str(one) for one in path.parent.glob("*.yaml")})
+        raise NotFoundError(f"{path}: no such file{meant}") from None
     except IsADirectoryError:
         raise InputError(f"{path}: is a directory, a YAML file is needed") from None
     except OSError as error:

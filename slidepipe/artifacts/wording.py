@@ -63,16 +63,16 @@ def one_of(candidates: Sequence[str], limit: int = 5) -> str:
     return shown if len(candidates) <= limit else f"{shown} and {len(candidates) - limit} more"
 
 
-def nearest(asked: str, names: Sequence[str]) -> str:
-    """Name that may have been meant, as the end of a message; empty where none is near.
+def nearest(asked: str, names: Mapping[str, str]) -> str:
+    """Name that may have been meant, as the end of a message, each shown as it is mapped to; empty where none is near.
 
     Examples
     --------
-    >>> nearest("robst", ["robust", "regrasp"])
-    '; did you mean robust?'
+    >>> nearest("robst", {"robust": "experiments/robust.yaml"})
+    '; did you mean experiments/robust.yaml?'
     """
     near = get_close_matches(asked, names, n=1)
-    return f"; did you mean {near[0]}?" if near else ""
+    return f"; did you mean {names[near[0]]}?" if near else ""
 
 
 def instead(asked: str, names: Sequence[str]) -> str:
@@ -87,4 +87,5 @@ def instead(asked: str, names: Sequence[str]) -> str:
     """
     if not names:
         return "there are none"
-    return f"there {'is' if len(names) == 1 else 'are'} {one_of(names, 8)}{nearest(asked, names)}"
+    meant = nearest(asked, {name: name for name in names})
+    return f"there {'is' if len(names) == 1 else 'are'} {one_of(names, 8)}{meant}"

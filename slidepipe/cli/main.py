@@ -15,7 +15,7 @@ from slidepipe import __version__
 from slidepipe.cli import render
 from slidepipe.cli.exits import ExitCode, exit_code
 from slidepipe.cli.session import Session
-from slidepipe.errors import SlidepipeError
+from slidepipe.errors import UNWRITABLE, SlidepipeError
 
 VERBS = (
     "plan",
@@ -99,12 +99,19 @@ class Verbs(click.Group):
         except SlidepipeError as error:
             render.fail(error)
             ctx.exit(exit_code(error))
-        except KeyboardInterrupt:
-            render.note("interrupted")
+        except KeyboardInterrupt as interrupt:
+            render.note(": ".join(["interrupted", *map(str, interrupt.args)]))
             ctx.exit(ExitCode.INTERRUPTED)
         except BrokenPipeError:
             _hush()
             ctx.exit(ExitCode.BROKEN_PIPE)
+        except OSError as error:
+            if error.errno not in UNWRITABLE:
+                raise
+            if error.filename is None:
+                _hush()
+            render.note(f"error: {error.filename or 'standard output'}: {error.strerror}")
+            ctx.exit(ExitCode.STORE)
 
 
 @click.group(

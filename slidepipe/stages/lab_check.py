@@ -1,9 +1,10 @@
 """Check a lab: what its arm and its cameras say, without a word to the arm."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
@@ -18,8 +19,6 @@ from slidepipe.lab.transport import UdpTransport
 from slidepipe.lab.wam_codec import CODECS
 from slidepipe.stages.labs import address, camera_settings
 from slidepipe.stages.on_lab import EXPERIMENTS
-
-Look = Callable[[LabDocument, float], list[tuple[str, str, bool]]]
 
 LISTEN_S = 2.0
 """How long both streams are listened to."""
@@ -59,10 +58,12 @@ def run(name: str, listen_s: float = LISTEN_S) -> LabCheck:
         It is wrong.
     """
     lab = load_lab(find_lab(name, EXPERIMENTS))
-    looks = (("arm", _arm), ("cameras", _cameras))
-    with ThreadPoolExecutor(len(looks)) as both:
-        found = both.map(lambda one: _facts(*one, lab, listen_s), looks)
+    with ThreadPoolExecutor(len(LOOKS)) as both:
+        found = both.map(lambda about, look: _facts(about, look, lab, listen_s), LOOKS.keys(), LOOKS.values())
         return LabCheck(lab, tuple(fact for facts in found for fact in facts))
+
+
+Look = Callable[[LabDocument, float], list[tuple[str, str, bool]]]
 
 
 def _facts(about: str, look: Look, lab: LabDocument, listen_s: float) -> list[Fact]:
@@ -169,3 +170,6 @@ def _apart(frames: list[MocapFrame]) -> str:
 
 def _ms(value_ns: int | None) -> str:
     return "-" if value_ns is None else f"{1e-6 * value_ns:.2f} ms"
+
+
+LOOKS: Mapping[str, Look] = MappingProxyType({"arm": _arm, "cameras": _cameras})

@@ -90,6 +90,6 @@ def test_what_cannot_be_reported_is_told(regrasp, tmp_path: Path):
     ):
         report.run(report.ReportRequest("nothing", tmp_path / "a.html", store))
     (tmp_path / "file").write_text("")
-    with pytest.raises(InputError, match=r"file/a\.html: cannot be written: "):
+    with pytest.raises(InputError, match=r"file: cannot be made a folder: "):
         report.run(report.ReportRequest("regrasp", tmp_path / "file" / "a.html", store))
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file"]
