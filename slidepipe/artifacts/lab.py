@@ -8,6 +8,7 @@ from pydantic import Field
 
 from slidepipe.artifacts.arm_setup import Joints, PositiveJoints
 from slidepipe.artifacts.faults import Fault
+from slidepipe.artifacts.lab_names import DIRECTORY, labs_beside
 from slidepipe.artifacts.schema import Artifact, Record, parse
 from slidepipe.artifacts.shapes import HOST
 from slidepipe.artifacts.strict_yaml import load
@@ -19,8 +20,6 @@ Host = Annotated[str, Field(pattern=HOST)]
 """An IPv4 address: of one interface, never of all."""
 Port = Annotated[int, Field(ge=1, le=65535)]
 Seconds = Annotated[float, Field(gt=0.0, le=3600.0)]
-DIRECTORY = "labs"
-"""Where labs that are called by their names are looked for: beside the experiments."""
 
 
 class Endpoint(Record):
@@ -181,7 +180,7 @@ def find_lab(name: str, beside: Path) -> Path:
     directory = beside / DIRECTORY
     path = directory / f"{name}.yaml"
     if not path.is_file():
-        there = sorted(one.stem for one in directory.glob("*.yaml"))
+        there = labs_beside(beside)
         raise NotFoundError(f"lab {name}: no {path}, {instead(name, there)}")
     return path
 

@@ -10,7 +10,8 @@ from slidepipe.cli.session import Session
 
 @options.verb(
     "log",
-    "Show what a run was made from, back to the experiment file, as a tree.",
+    "Show what a run was made from, back to the experiment file.\n\n"
+    "Each run was made from the one below it; where from several, each of them is a branch.",
     example="slidepipe log @latest:estimate",
     exits={},
 )

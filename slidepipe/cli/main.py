@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click.shell_completion import add_completion_class
 
 from slidepipe import __version__
-from slidepipe.cli import render
+from slidepipe.cli import complete, render
 from slidepipe.cli.exits import ExitCode, exit_code
 from slidepipe.cli.session import Session
 from slidepipe.errors import UNWRITABLE, SlidepipeError
@@ -137,6 +138,7 @@ def cli(ctx: click.Context, data: Path) -> None:
 
 def main() -> None:
     """Run the command line."""
+    add_completion_class(complete.WholeWords)
     cli(prog_name="slidepipe")
 
 

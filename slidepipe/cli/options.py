@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 
 import click
 
-from slidepipe.cli.complete import complete_run
+from slidepipe.cli.complete import complete_lab, complete_run
 from slidepipe.cli.exits import MEANINGS, ExitCode
 
 Callback = Callable[..., None]
@@ -57,6 +57,7 @@ all_limits: Callable[[Callback], Callback] = click.option(
 lab: Callable[[Callback], Callback] = click.option(
     "--lab",
     metavar="NAME",
+    shell_complete=complete_lab,
     help="A lab file, or its name in experiments/labs.  [default: the simulated lab in virtual time]",
 )
 yes: Callable[[Callback], Callback] = click.option("--yes", is_flag=True, help="Move a real arm without asking.")

@@ -69,10 +69,11 @@ def forgive_encoding() -> None:
 
 
 def _width(console: "Console", part: "RenderableType") -> int | None:
-    """Width of a table whose cells cannot be wrapped: as wide as it is, so that no number is ever cut."""
+    """Width of a tree, and of a table whose cells cannot be wrapped: as wide as it is, so that no number is cut."""
     from rich.table import Table  # noqa: PLC0415
+    from rich.tree import Tree  # noqa: PLC0415
 
-    if not isinstance(part, Table) or not all(column.no_wrap for column in part.columns):
+    if not isinstance(part, Tree) and not (isinstance(part, Table) and all(one.no_wrap for one in part.columns)):
         return None
     unlimited = console.options.update(width=10 * WIDTH)
     return max(console.width, console.measure(part, options=unlimited).maximum)

@@ -43,8 +43,8 @@ def test_log(call, store) -> None:
     assert (result.exit_code, result.stderr) == (0, "")
     assert result.stdout == (
         f"{estimate.id}  estimate  regrasp  believed_friction 0.38\n"
-        f"└── {trial.id}  execute  regrasp  believed_friction 0.38\n"
-        f"    └── {plan.id}  plan  regrasp  believed_friction 0.38\n"
+        f"{trial.id}  execute  regrasp  believed_friction 0.38\n"
+        f"{plan.id}  plan  regrasp  believed_friction 0.38\n"
     )
     told = json.loads(call("log", "@latest", "--json").stdout)
     assert (told["schema"], told["run"]) == ("slidepipe.ancestry/1", estimate.id)
@@ -53,6 +53,18 @@ def test_log(call, store) -> None:
         (trial.id, [plan.id]),
         (plan.id, []),
     ]
+
+
+def test_log_branches_where_a_run_was_made_from_several(call, store) -> None:
+    plan = make(store, experiment="as_long_as_a_name_of_an_experiment_may_be_so_that_it_is_wide")
+    first, second = make(store, "execute", plan), make(store, "estimate", plan)
+    make(store, "pool", first, second)
+    lines = call("log", "@latest").stdout.splitlines()
+    newer, older = sorted((first, second), key=lambda run: run.id, reverse=True)
+    ids = [(line[:4], line.removeprefix(line[:4]).split()[0]) for line in lines[1:]]
+    assert ids == [("├── ", newer.id), ("│   ", plan.id), ("└── ", older.id), ("    ", plan.id)]
+    assert lines[2].endswith("so_that_it_is_wide  believed_friction 0.38")
+    assert lines[4].endswith("(see above)")
 
 
 def test_diff(call, store) -> None:

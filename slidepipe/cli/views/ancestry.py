@@ -5,17 +5,16 @@ from collections.abc import Mapping
 from rich.text import Text
 from rich.tree import Tree
 
-from slidepipe.artifacts.ancestry import Ancestor, direct
+from slidepipe.artifacts.ancestry import Ancestor, direct, outside
 from slidepipe.cli.views.tables import number
 
 RESULTS = 1
 
 
 def ancestry_tree(ancestors: Mapping[str, Ancestor], run_id: str) -> Tree:
-    """Tree below a run."""
-    told = set[str]()
-    tree = Tree(_line(ancestors[run_id]), guide_style="dim")
-    _grow(tree, ancestors, run_id, told)
+    """Tree below a run: it branches where a run was made from several, so that a long chain stays at the margin."""
+    tree = Tree(Text(), guide_style="dim")
+    _grow(tree, ancestors, run_id, set())
     return tree
 
 
@@ -36,15 +35,27 @@ def ancestry_lines(ancestors: Mapping[str, Ancestor]) -> list[dict[str, object]]
 
 
 def _grow(tree: Tree, ancestors: Mapping[str, Ancestor], run_id: str, told: set[str]) -> None:
-    told.add(run_id)
-    for parent in sorted(direct(ancestors, run_id), reverse=True):
-        line = _line(ancestors[parent])
-        if parent in told:
-            tree.add(line.append("  (see above)", "dim"))
-        else:
-            _grow(tree.add(line), ancestors, parent, told)
-    for file in ancestors[run_id].outside:
-        tree.add(Text(f"file {file}"))
+    """Put a chain of runs, line by line, into a node, and a branch for each run and file at which it forks."""
+    lines, here = list[Text](), run_id
+    while True:
+        if here in told:
+            lines.append(_line(ancestors[here]).append("  (see above)", "dim"))
+            parents, files = [], list[Text]()
+            break
+        told.add(here)
+        lines.append(_line(ancestors[here]))
+        parents = sorted(direct(ancestors, here), reverse=True)
+        files = [Text(f"file {file}") for file in outside(ancestors, here)]
+        if len(parents) != 1 or files:
+            break
+        here = parents[0]
+    if not parents and len(files) == 1:
+        lines.append(files.pop())
+    tree.label = Text("\n", no_wrap=True, overflow="ignore").join(lines)
+    for parent in parents:
+        _grow(tree.add(Text()), ancestors, parent, told)
+    for file in files:
+        tree.add(file)
 
 
 def _line(one: Ancestor) -> Text:
