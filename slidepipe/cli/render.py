@@ -20,10 +20,12 @@ WIDTH = 100
 
 def put(parts: Iterable["RenderableType"]) -> None:
     """Print tables and lines of text on stdout; in colour on a terminal only, and not where NO_COLOR is set."""
+    from rich.text import Text  # noqa: PLC0415  # help must not wait for rich
+
     console = _console(sys.stdout)
     with console.capture() as printed:
         for part in parts:
-            console.print(part, width=_width(console, part), soft_wrap=isinstance(part, str), crop=False)
+            console.print(part, width=_width(console, part), soft_wrap=isinstance(part, str | Text), crop=False)
     for line in printed.get().splitlines():
         sys.stdout.write(line.rstrip() + "\n")
 
@@ -69,11 +71,10 @@ def forgive_encoding() -> None:
 
 
 def _width(console: "Console", part: "RenderableType") -> int | None:
-    """Width of a tree, and of a table whose cells cannot be wrapped: as wide as it is, so that no number is cut."""
+    """Width of a table whose cells cannot be wrapped: as wide as it is, so that no number is ever cut."""
     from rich.table import Table  # noqa: PLC0415
-    from rich.tree import Tree  # noqa: PLC0415
 
-    if not isinstance(part, Tree) and not (isinstance(part, Table) and all(one.no_wrap for one in part.columns)):
+    if not isinstance(part, Table) or not all(column.no_wrap for column in part.columns):
         return None
     unlimited = console.options.update(width=10 * WIDTH)
     return max(console.width, console.measure(part, options=unlimited).maximum)

@@ -1,9 +1,10 @@
-"""An ancestry as a person reads it: a tree, each run told once."""
+"""An ancestry as a person reads it: chains that branch, each run told once."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from itertools import chain, repeat
 
+from rich.console import RenderableType
 from rich.text import Text
-from rich.tree import Tree
 
 from slidepipe.artifacts.ancestry import Ancestor, direct, outside
 from slidepipe.cli.views.tables import number
@@ -11,11 +12,9 @@ from slidepipe.cli.views.tables import number
 RESULTS = 1
 
 
-def ancestry_tree(ancestors: Mapping[str, Ancestor], run_id: str) -> Tree:
-    """Tree below a run: it branches where a run was made from several, so that a long chain stays at the margin."""
-    tree = Tree(Text(), guide_style="dim")
-    _grow(tree, ancestors, run_id, set())
-    return tree
+def ancestry_view(ancestors: Mapping[str, Ancestor], run_id: str) -> list[RenderableType]:
+    """Lines below a run: they branch where it was made from several, so that a long chain stays at the margin."""
+    return list(_branch(ancestors, run_id, set()))
 
 
 def ancestry_lines(ancestors: Mapping[str, Ancestor]) -> list[dict[str, object]]:
@@ -34,28 +33,22 @@ def ancestry_lines(ancestors: Mapping[str, Ancestor]) -> list[dict[str, object]]
     ]
 
 
-def _grow(tree: Tree, ancestors: Mapping[str, Ancestor], run_id: str, told: set[str]) -> None:
-    """Put a chain of runs, line by line, into a node, and a branch for each run and file at which it forks."""
-    lines, here = list[Text](), run_id
-    while True:
-        if here in told:
-            lines.append(_line(ancestors[here]).append("  (see above)", "dim"))
-            parents, files = [], list[Text]()
-            break
-        told.add(here)
-        lines.append(_line(ancestors[here]))
-        parents = sorted(direct(ancestors, here), reverse=True)
-        files = [Text(f"file {file}") for file in outside(ancestors, here)]
-        if len(parents) != 1 or files:
-            break
-        here = parents[0]
-    if not parents and len(files) == 1:
-        lines.append(files.pop())
-    tree.label = Text("\n", no_wrap=True, overflow="ignore").join(lines)
-    for parent in parents:
-        _grow(tree.add(Text()), ancestors, parent, told)
-    for file in files:
-        tree.add(file)
+def _branch(ancestors: Mapping[str, Ancestor], run_id: str, told: set[str]) -> Iterator[Text]:
+    """A chain of runs, line by line, and a branch for each run and file at which it forks."""
+    line = _line(ancestors[run_id])
+    if run_id in told:
+        yield line.append("  (see above)", "dim")
+        return
+    told.add(run_id)
+    yield line
+    branches = [_branch(ancestors, parent, told) for parent in sorted(direct(ancestors, run_id), reverse=True)]
+    branches += [iter([Text(f"file {file}")]) for file in outside(ancestors, run_id)]
+    if len(branches) == 1:
+        yield from branches[0]
+        return
+    for left, branch in zip(range(len(branches))[::-1], branches, strict=True):
+        guides = chain(["├── " if left else "└── "], repeat("│   " if left else "    "))
+        yield from (Text.assemble((guide, "dim"), below) for guide, below in zip(guides, branch, strict=False))
 
 
 def _line(one: Ancestor) -> Text:
@@ -64,6 +57,4 @@ def _line(one: Ancestor) -> Text:
     told = one.run.manifest
     state = "" if told.state.value == "complete" else f", {told.state.value}"
     results = "".join(f"  {name.name} {number(name.value, name.unit)}" for name in told.results[:RESULTS])
-    return Text.assemble(
-        one.id, "  ", (told.stage, "bold"), f"  {told.experiment}{state}{results}", no_wrap=True, overflow="ignore"
-    )
+    return Text.assemble(one.id, "  ", (told.stage, "bold"), f"  {told.experiment}{state}{results}")
