@@ -142,13 +142,13 @@ def _pictures(subject: Subject) -> list[Picture]:
     """How the finger slid and the arm followed, in the first and the last trial that were estimated."""
     told = [trial for trial in subject.trials if trial.estimate_run is not None]
     chosen = told if len(told) < 2 else [told[0], told[-1]]
-    names = " and ".join(trial.name for trial in chosen)
+    names = f"trial{'s' if len(chosen) > 1 else ''} {' and '.join(trial.name for trial in chosen)}"
     pictures = []
     if chosen:
         views = [TrialView(TrialRuns(*one.runs), one.experiment) for one in chosen]
         sliding, tracking = sliding_sheet([v.sliding() for v in views]), tracking_sheet([v.tracking() for v in views])
-        pictures.append(Picture("The slide", sliding.figure, f"The finger in the body frame, trials {names}."))
-        pictures.append(Picture("The hand", tracking.figure, f"The hand in the world plane, trials {names}."))
+        pictures.append(Picture("The slide", sliding.figure, f"The finger in the body frame, {names}."))
+        pictures.append(Picture("The hand", tracking.figure, f"The hand in the world plane, {names}."))
     last = subject.trials[-1]
     caption = (
         f"Command (dashed) and encoder of each joint, and the difference, trial {last.name}. Green: the planned slide."
