@@ -117,7 +117,7 @@ def test_nothing_is_drawn_of_an_object_that_left_the_fingers(tmp_path: Path, dra
     real[:, 0] += away
     draw_sliding([panel(smoothed=real, truth=real)], tmp_path / "sliding.png")
     shown = line(drawn[0].axes[1][0], style.MEASURED).get_ydata()
-    gone = np.flatnonzero(away > 0.35)[0]
+    gone = np.flatnonzero(away > 0.5)[0]
     assert np.isnan(shown[gone:]).all()
     assert shown[time_s < 0.3] == pytest.approx(real[time_s < 0.3, 1] * 1e3)
 
