@@ -66,9 +66,22 @@ yes: Callable[[Callback], Callback] = click.option("--yes", is_flag=True, help="
 def overrides(example: str) -> Callable[[Callback], Callback]:
     """Make the option that sets keys of the experiment."""
     option: Callable[[Callback], Callback] = click.option(
-        "--set", "overrides", metavar="KEY=VALUE", multiple=True, help=f"Set a key of the experiment: {example}."
+        "--set",
+        "overrides",
+        metavar="KEY=VALUE",
+        multiple=True,
+        callback=_with_equals,
+        help=f"Set a key of the experiment: {example}.",
     )
     return option
+
+
+def _with_equals(ctx: click.Context, param: click.Parameter, settings: tuple[str, ...]) -> tuple[str, ...]:  # noqa: ARG001
+    """Refuse what has no value before the word behind it is taken for an argument too many."""
+    for one in settings:
+        if "=" not in one:
+            raise click.BadParameter(f"must read KEY=VALUE in one word: {one}=...")
+    return settings
 
 
 runs_argument: Callable[[Callback], Callback] = click.argument(
