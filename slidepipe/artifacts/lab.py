@@ -8,7 +8,7 @@ from pydantic import Field
 
 from slidepipe.artifacts.arm_setup import Joints, PositiveJoints
 from slidepipe.artifacts.faults import Fault
-from slidepipe.artifacts.lab_names import DIRECTORY, labs_beside
+from slidepipe.artifacts.lab_names import labs
 from slidepipe.artifacts.schema import Artifact, Record, parse
 from slidepipe.artifacts.shapes import HOST
 from slidepipe.artifacts.strict_yaml import load
@@ -165,7 +165,7 @@ class LabDocument(Artifact):
 
 
 def find_lab(name: str, beside: Path) -> Path:
-    """Path of a lab's file: ``name`` is a path, or a name in the directory ``labs`` beside the experiments.
+    """Path of a lab's file: ``name`` is a path, or a name beside the experiments or in ``experiments``.
 
     Raises
     ------
@@ -177,12 +177,10 @@ def find_lab(name: str, beside: Path) -> Path:
         if not path.is_file():
             raise NotFoundError(f"lab {name}: there is no such file")
         return path
-    directory = beside / DIRECTORY
-    path = directory / f"{name}.yaml"
-    if not path.is_file():
-        there = labs_beside(beside)
-        raise NotFoundError(f"lab {name}: no {path}, {instead(name, there)}")
-    return path
+    there = labs(beside)
+    if name not in there:
+        raise NotFoundError(f"lab {name}: no {beside / 'labs' / name}.yaml, {instead(name, list(there))}")
+    return there[name]
 
 
 def load_lab(path: Path) -> LabDocument:

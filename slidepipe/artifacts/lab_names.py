@@ -2,10 +2,14 @@
 
 from pathlib import Path
 
-DIRECTORY = "labs"
-"""Where labs that are called by their names are looked for: beside the experiments."""
+EXPERIMENTS = Path("experiments")
+"""Where labs are looked for that are called by their names, beside an experiment file or where there is none."""
 
 
-def labs_beside(experiments: Path) -> list[str]:
-    """Names of the labs that lie beside the experiments of a directory."""
-    return sorted(one.stem for one in (experiments / DIRECTORY).glob("*.yaml"))
+def labs(beside: Path) -> dict[str, Path]:
+    """Files of the labs by their names: those beside an experiment, then those of this folder's experiments."""
+    found: dict[str, Path] = {}
+    for directory in (beside / "labs", EXPERIMENTS / "labs"):
+        for path in sorted(directory.glob("*.yaml")):
+            found.setdefault(path.stem, path)
+    return found

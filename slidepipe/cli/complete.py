@@ -47,10 +47,10 @@ def complete_subject(ctx: click.Context, param: click.Parameter, incomplete: str
 
 def complete_lab(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
     """Labs beside the experiment that was named before, or beside the experiments of this folder; else files."""
-    from slidepipe.artifacts.lab_names import labs_beside
+    from slidepipe.artifacts.lab_names import EXPERIMENTS, labs
 
     experiment = ctx.params.get("experiment")
-    names = labs_beside(Path(experiment).parent if experiment else Path("experiments"))
+    names = labs(Path(experiment).parent if experiment else EXPERIMENTS)
     found = [CompletionItem(name) for name in names if name.startswith(incomplete)]
     return found or [CompletionItem(incomplete, type="file")]
 

@@ -9,6 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from slidepipe.artifacts.lab import LabDocument, find_lab, load_lab
+from slidepipe.artifacts.lab_names import EXPERIMENTS
 from slidepipe.errors import LabError
 from slidepipe.lab.clock import TICK_NS, RealClock
 from slidepipe.lab.link import LinkedArm
@@ -18,7 +19,6 @@ from slidepipe.lab.protocols import MocapFrame
 from slidepipe.lab.transport import UdpTransport
 from slidepipe.lab.wam_codec import CODECS
 from slidepipe.stages.labs import address, camera_settings
-from slidepipe.stages.on_lab import EXPERIMENTS
 
 LISTEN_S = 2.0
 """How long both streams are listened to."""

@@ -20,10 +20,12 @@ def test_shipped_labs_are_sound_and_come_back_equal(path: Path) -> None:
     assert parse(LabDocument, loads(dump_model(lab), "a.yaml")) == lab
 
 
-def test_labs_are_found_by_name_and_by_path() -> None:
+def test_labs_are_found_by_name_and_by_path(monkeypatch: pytest.MonkeyPatch) -> None:
     path = EXPERIMENTS / "labs" / "wam.yaml"
     assert find_lab("wam", EXPERIMENTS) == path
     assert find_lab(str(path), Path("elsewhere")) == path
+    monkeypatch.chdir(EXPERIMENTS.parent)
+    assert find_lab("wam", Path("elsewhere")) == Path("experiments/labs/wam.yaml")
     with pytest.raises(NotFoundError, match=r"^lab wan: no .*wan.yaml, there are loopback, wam; did you mean wam.$"):
         find_lab("wan", EXPERIMENTS)
     with pytest.raises(NotFoundError, match=r"^lab none.yaml: there is no such file$"):
