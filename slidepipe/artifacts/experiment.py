@@ -213,7 +213,11 @@ class Experiment(Artifact):
         yield from self._uneven_steps()
 
     def _turn_faults(self) -> Iterator[Fault]:
-        """More than a turn from the start to the goal: an angle in degrees."""
+        """More than a turn: an angle in degrees."""
+        for name in ("object_pose", "relative_pose"):
+            angle = getattr(self.start, name).theta_rad
+            if abs(angle) > 2 * pi:
+                yield Fault(("start", name, "theta_rad"), f"must be within a turn, 6.28 rad, got {angle:g} rad")
         start, goal = self.start.relative_pose.theta_rad, self.goal.relative_pose.theta_rad
         if abs(goal - start) > 2 * pi:
             message = f"must be within a turn, 6.28 rad, of the start's {start:g} rad, got {goal:g} rad"

@@ -74,6 +74,9 @@ def test_any_numbers_come_back_exactly(experiment_path, friction, x_m, mass_kg):
         ("contact_radius_m: 0.0174", "contact_radius_m: 0", "4:60: grasp.contact_radius_m: must be > 0, got 0 m"),
         ("mass_kg: 0.023", "mass_kg: 23 g", "3:60: object.mass_kg: must be a number of kg, got '23 g'"),
         ("size_x_m: 0.1", "size_x_m: 60", "3:10: object.size_x_m: must be <= 2, got 60 m"),
+        ("x_m: 0.0, y_m: 0.0, theta_rad: 0.0", "x_m: 0.0, y_m: 0.0, theta_rad: 90",
+         "7:37: start.object_pose.theta_rad: must be within a turn, 6.28 rad, got 90 rad"),
+        ("length_m: 0.1", "length_m: 100", "18:10: arm.tool.length_m: must be <= 2, got 100 m"),
         ("[0, 0, 0, 1.5, 0, 0, 0]", "3", "19:3: arm.posture_rad: must be a list, got 3 rad"),
         ("y_m: 0.02, theta_rad: 3.141592653589793}\n  hand", "y_m: 0.02, theta_rad: 180}\n  hand",
          ("10:41: goal.relative_pose.theta_rad: must be within a turn, 6.28 rad, of the start's 3.14159 rad, got 180 "
