@@ -5,7 +5,7 @@
     SlidepipeError
     ├── InputError          a file or a value that was given is wrong            exit code 3
     ├── NotFoundError       no such run, reference or file                       exit code 4
-    ├── StoreError          the run store is damaged                             exit code 5
+    ├── StoreError          the run store is damaged or cannot be written        exit code 5
     │   └── NewerSchemaError    written by a newer slidepipe
     ├── BusyError           another process holds what is needed                 exit code 6
     ├── LabError            the arm, the gripper or the cameras failed           exit code 7
@@ -16,6 +16,11 @@
 
 A message is one line: what, where (``file.yaml:14:9: object.mass_kg: ...``), what was got, what is allowed.
 """
+
+import errno
+
+UNWRITABLE = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EPERM, errno.EIO})
+"""What a file system says that does not take what is written: foreseen, wherever it is said."""
 
 
 class SlidepipeError(Exception):
@@ -35,7 +40,7 @@ class NotFoundError(SlidepipeError):
 
 
 class StoreError(SlidepipeError):
-    """The run store is damaged or cannot be read."""
+    """The run store is damaged, or cannot be read or written."""
 
 
 class NewerSchemaError(StoreError):

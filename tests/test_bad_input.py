@@ -1,6 +1,9 @@
 """What a person does wrong is told in one line, with exit code 3, and leaves nothing behind."""
 
+import resource
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -30,9 +33,11 @@ def spoil(tmp_path: Path, old: str, new: str) -> None:
     [
         ("friction: 0.38  ", "#", "mine.yaml:1:1: friction: required key is missing"),
         ("mass_kg", "colour: red, mass_kg", "mine.yaml:5:60: object.colour: unknown key, allowed are"),
-        ("mass_kg: 0.023", "mass_kg: -0.023", "mine.yaml:5:60: object.mass_kg: must be > 0, got -0.023"),
+        ("mass_kg: 0.023", "mass_kg: -0.023", "mine.yaml:5:60: object.mass_kg: must be > 0, got -0.023 kg"),
+        ("mass_kg: 0.023", "mass_kg: 23 g", "mine.yaml:5:60: object.mass_kg: must be a number of kg, got '23 g'"),
+        ("name: paper_linear", "name: my: block", "mapping values are not allowed in this context: text with a colon"),
         ("{x_m: 0.01, y_m: 0.02", "{x_m: 0.01, y_m: 0.06", "goal.relative_pose.y_m: the goal is outside the object"),
-        ("slide_s: 0.2", "slide_s: 0", "motion.slide_s: must be > 0, got 0"),
+        ("slide_s: 0.2", "slide_s: 0", "motion.slide_s: must be > 0, got 0 s"),
         ("friction: 0.38", "friction: 1e-05", "friction: must be >= 0.01, got 1e-05"),
         ("friction: 0.38", "friction: 0.38\nfriction: 0.4", "friction: duplicate key, first given at line 16"),
     ],
@@ -54,6 +59,26 @@ def test_directory_for_a_file(call: Callable, tmp_path: Path) -> None:
     assert (result.exit_code, result.stdout) == (3, "")
     assert result.stderr == "error: folder: is a directory, a YAML file is needed\n"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["folder"]
+
+
+def test_a_file_whose_name_is_nearly_right(call: Callable, tmp_path: Path) -> None:
+    (tmp_path / "robust.yaml").write_text("")
+    result = call("run", "robst.yaml")
+    assert (result.exit_code, result.stdout) == (4, "")
+    assert result.stderr == "error: robst.yaml: no such file; did you mean robust.yaml?\n"
+
+
+@pytest.mark.parametrize("limit_bytes", [1000, 8000, 40_000])
+def test_a_store_that_cannot_be_written(tmp_path: Path, limit_bytes: int) -> None:
+    """No file may grow beyond a limit, which ends writes as a full disk does."""
+
+    def narrow() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit_bytes, limit_bytes))
+
+    command = [sys.executable, "-m", "slidepipe", "plan", str(ROOT / "experiments" / "paper_rotational.yaml")]
+    done = subprocess.run(command, cwd=tmp_path, preexec_fn=narrow, capture_output=True, text=True, check=False)  # noqa: S603
+    assert (done.returncode, done.stdout, done.stderr) == (5, "", "error: data: File too large\n")
+    assert not list(tmp_path.iterdir())
 
 
 def test_truncated_recording(call: Callable, tmp_path: Path) -> None:

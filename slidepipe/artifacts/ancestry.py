@@ -54,6 +54,12 @@ def direct(ancestors: Mapping[str, Ancestor], run_id: str) -> tuple[str, ...]:
     return tuple(one for one in parents if not any(one in _above(ancestors, other) for other in parents))
 
 
+def outside(ancestors: Mapping[str, Ancestor], run_id: str) -> tuple[str, ...]:
+    """Files that a run was made from, without those that one of its ancestors was made from."""
+    above = _above(ancestors, run_id)
+    return tuple(file for file in ancestors[run_id].outside if all(file not in ancestors[one].outside for one in above))
+
+
 def _above(ancestors: Mapping[str, Ancestor], run_id: str) -> set[str]:
     above, waiting = set[str](), [run_id]
     while waiting:

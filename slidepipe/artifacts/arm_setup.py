@@ -5,24 +5,28 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from slidepipe.artifacts.schema import Record
-from slidepipe.artifacts.values import NotNegative, Positive
+from slidepipe.artifacts.values import Positive
 
 Joints = Annotated[tuple[float, ...], Field(min_length=7, max_length=7)]
 """One number for each joint."""
 PositiveJoints = Annotated[tuple[Positive, ...], Field(min_length=7, max_length=7)]
 
 
+Within = Annotated[float, Field(ge=-10.0, le=10.0)]
+"""Coordinate of what an arm that is a metre long may reach: what lies outside is in another unit."""
+
+
 class PlaneSetup(Record):
     """The vertical plane of motion {w} in the arm's base frame."""
 
-    origin_m: tuple[float, float, float]
+    origin_m: tuple[Within, Within, Within]
     heading_rad: float
 
 
 class ToolSetup(Record):
     """From the flange to the contact point along the wrist axis, and the turn of {f} about it."""
 
-    length_m: NotNegative
+    length_m: Annotated[float, Field(ge=0.0, le=2.0)]
     angle_rad: float
 
 

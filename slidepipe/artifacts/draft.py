@@ -32,7 +32,7 @@ from slidepipe.artifacts.run_id import STAGING, new_run_id
 from slidepipe.artifacts.schema import dump_model, parse
 from slidepipe.artifacts.seal import seal_of
 from slidepipe.artifacts.strict_yaml import dump, loads
-from slidepipe.errors import InputError, StoreError
+from slidepipe.errors import UNWRITABLE, InputError, StoreError
 
 _PATCH = "diff.patch"
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
@@ -66,8 +66,8 @@ class Request:
 class Draft:
     """Where a run is put together; leaving the ``with`` block publishes it.
 
-    An :class:`~slidepipe.errors.InputError` leaves nothing behind. Any other error, Ctrl-C included, publishes what
-    there is, with its state and the error, and goes on.
+    An :class:`~slidepipe.errors.InputError` leaves nothing behind, nor does a file that cannot be written. Any other
+    error, Ctrl-C included, publishes what there is, with its state and the error, and goes on.
 
     Attributes
     ----------
@@ -137,9 +137,13 @@ class Draft:
 
     def __enter__(self) -> "Draft":
         self._make_staging()
-        self._write_draft()
-        if code_state().patch:
-            (self.staging / _PATCH).write_bytes(code_state().patch)
+        try:
+            self._write_draft()
+            if code_state().patch:
+                (self.staging / _PATCH).write_bytes(code_state().patch)
+        except OSError as error:
+            self.discard()
+            raise self._unwritten(error) from None
         return self
 
     def __exit__(
@@ -148,6 +152,16 @@ class Draft:
         if isinstance(error, InputError):
             self.discard()
             return
+        if isinstance(error, OSError) and error.errno in UNWRITABLE:
+            self.discard()
+            raise self._unwritten(error) from None
+        try:
+            self._end(error)
+        except OSError as fault:
+            raise self._put_off(fault) from None
+
+    def _end(self, error: BaseException | None) -> None:
+        """Publish what there is."""
         missing = self._missing() if error is None and self.state is RunState.COMPLETE else None
         if missing:
             missing_file = StoreError(f"run {self.run_id}: {missing} was announced and never written")
@@ -157,6 +171,21 @@ class Draft:
             self._publish(None)
         else:
             self._fail(error)
+
+    def _unwritten(self, error: OSError) -> StoreError:
+        """Name the store for what is in the draft, which nobody sees."""
+        name = str(error.filename or self.staging)
+        place = self.runs.parent if name.startswith(str(self.staging)) else name
+        return StoreError(f"{place}: {error.strerror}")
+
+    def _put_off(self, error: OSError) -> StoreError:
+        """Where a run cannot be published, keep what was made for ``recover``; where nothing was made, keep nothing."""
+        if not any((self.staging / name).is_file() for name in self._roles):
+            self.discard()
+            return self._unwritten(error)
+        for name in (MANIFEST, SEAL):
+            (self.staging / name).unlink(missing_ok=True)
+        return StoreError(f"{self._unwritten(error)}; what was made is kept: slidepipe recover publishes it")
 
     def discard(self) -> None:
         """Remove everything that the draft made."""
@@ -173,7 +202,7 @@ class Draft:
         try:
             self.staging.mkdir(parents=True)
         except OSError as error:
-            raise StoreError(f"{self.staging}: cannot be made: {error.strerror}") from None
+            raise self._unwritten(error) from None
 
     def _write_draft(self) -> None:
         """Say who makes this run, and of what: should the process be killed, it can be published all the same."""

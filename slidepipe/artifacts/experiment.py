@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from math import pi
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal
 
@@ -206,9 +207,21 @@ class Experiment(Artifact):
         if self.start.relative_pose == self.goal.relative_pose:
             yield Fault(("goal", "relative_pose"), "must differ from start.relative_pose: there is nothing to slide")
 
+        yield from self._turn_faults()
         yield from self._motion_faults()
         yield from self._place_faults()
         yield from self._uneven_steps()
+
+    def _turn_faults(self) -> Iterator[Fault]:
+        """More than a turn: an angle in degrees."""
+        for name in ("object_pose", "relative_pose"):
+            angle = getattr(self.start, name).theta_rad
+            if abs(angle) > 2 * pi:
+                yield Fault(("start", name, "theta_rad"), f"must be within a turn, 6.28 rad, got {angle:g} rad")
+        start, goal = self.start.relative_pose.theta_rad, self.goal.relative_pose.theta_rad
+        if abs(goal - start) > 2 * pi:
+            message = f"must be within a turn, 6.28 rad, of the start's {start:g} rad, got {goal:g} rad"
+            yield Fault(("goal", "relative_pose", "theta_rad"), message)
 
     def _motion_faults(self) -> Iterator[Fault]:
         """Times off the beat, and a motion that is both given and wished for, or neither."""
@@ -244,13 +257,13 @@ class Experiment(Artifact):
     def _off_beat(self, name: str, beat_s: float) -> Iterator[Fault]:
         value = getattr(self.motion, name)
         if abs(value / beat_s - round(value / beat_s)) > TICK_TOLERANCE:
-            yield Fault(("motion", name), f"must be a multiple of {beat_s:g} s of the control loop, got {value!r}")
+            yield Fault(("motion", name), f"must be a multiple of {beat_s:g} s of the control loop, got {value!r} s")
 
     def _uneven_steps(self) -> Iterator[Fault]:
         value = self.lab.contact.timestep_s
         if abs(TICK_S / value - round(TICK_S / value)) > TICK_TOLERANCE:
             yield Fault(
-                ("lab", "contact", "timestep_s"), f"must divide the control loop's {TICK_S:g} s evenly, got {value!r}"
+                ("lab", "contact", "timestep_s"), f"must divide the control loop's {TICK_S:g} s evenly, got {value!r} s"
             )
 
     def _beside(self, name: str, axis: str, value: float, side: str) -> Iterator[Fault]:
@@ -258,8 +271,8 @@ class Experiment(Artifact):
         if abs(value) > half:
             yield Fault(
                 (name, "relative_pose", axis),
-                f"the {name} is outside the object, must be within {-half:g} and {half:g}"
-                f" (half of object.{side}), got {value!r}",
+                f"the {name} is outside the object, must be within {-half:g} and {half:g} m"
+                f" (half of object.{side}), got {value!r} m",
             )
 
 

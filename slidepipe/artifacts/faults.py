@@ -3,13 +3,15 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
+from math import isfinite
 from types import UnionType
 from typing import TYPE_CHECKING, Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
+from slidepipe.artifacts.shapes import IN_WORDS
 from slidepipe.artifacts.strict_yaml import KeyPath
-from slidepipe.artifacts.wording import describe
+from slidepipe.artifacts.wording import describe, unit_of
 
 if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
@@ -70,14 +72,26 @@ def _fault_of(error: "ErrorDetails", model: type[BaseModel]) -> Fault:
     if kind == "extra_forbidden":
         return Fault(path, _unknown(path, model))
     words = _WORDS.get(kind)
-    context = error.get("ctx", {})
+    context = {**error.get("ctx", {}), "unit": _unit(path)}
     if words is None:
         return Fault(path, f"{error['msg']}, got {describe(error['input'])}")
     return Fault(path, f"{words(context)}, got {_got(error['input'], context)}")
 
 
 def _got(value: object, context: Mapping[str, Any]) -> str:
-    return str(context["actual_length"]) if "actual_length" in context else describe(value)
+    if "actual_length" in context:
+        return str(context["actual_length"])
+    measured = isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
+    return f"{describe(value)} {context['unit']}".rstrip() if measured else describe(value)
+
+
+def _unit(path: KeyPath) -> str:
+    """Unit of what a key holds, or the list that it holds."""
+    return unit_of(next((key for key in reversed(path) if isinstance(key, str)), ""))
+
+
+def _kind(kind: str, context: Mapping[str, Any]) -> str:
+    return f"must be a {kind} of {context['unit']}" if context["unit"] else f"must be a {kind}"
 
 
 def _number(value: float) -> str:
@@ -89,10 +103,10 @@ _WORDS: dict[str, Callable[[Mapping[str, Any]], str]] = {
     "greater_than_equal": lambda c: f"must be >= {_number(c['ge'])}",
     "less_than": lambda c: f"must be < {_number(c['lt'])}",
     "less_than_equal": lambda c: f"must be <= {_number(c['le'])}",
-    "float_type": lambda _: "must be a number",
-    "finite_number": lambda _: "must be a finite number",
-    "int_type": lambda _: "must be a whole number",
-    "int_from_float": lambda _: "must be a whole number",
+    "float_type": lambda c: _kind("number", c),
+    "finite_number": lambda c: _kind("finite number", c),
+    "int_type": lambda c: _kind("whole number", c),
+    "int_from_float": lambda c: _kind("whole number", c),
     "string_type": lambda _: "must be text",
     "bool_type": lambda _: "must be true or false",
     "tuple_type": lambda _: "must be a list",
@@ -101,7 +115,7 @@ _WORDS: dict[str, Callable[[Mapping[str, Any]], str]] = {
     "literal_error": lambda c: f"must be {c['expected']}",
     "too_short": lambda c: f"must have {c['min_length']} entries",
     "too_long": lambda c: f"must have {c['max_length']} entries",
-    "string_pattern_mismatch": lambda c: f"must match {c['pattern']}",
+    "string_pattern_mismatch": lambda c: f"must be {IN_WORDS[c['pattern']]}",
 }
 
 

@@ -8,17 +8,18 @@ from pydantic import Field
 
 from slidepipe.artifacts.arm_setup import Joints, PositiveJoints
 from slidepipe.artifacts.faults import Fault
+from slidepipe.artifacts.lab_names import labs
 from slidepipe.artifacts.schema import Artifact, Record, parse
+from slidepipe.artifacts.shapes import HOST
 from slidepipe.artifacts.strict_yaml import load
 from slidepipe.artifacts.values import NotNegative, Positive, Slug
+from slidepipe.artifacts.wording import instead
 from slidepipe.errors import NotFoundError
 
-Host = Annotated[str, Field(pattern=r"^(\d{1,3}\.){3}\d{1,3}$")]
+Host = Annotated[str, Field(pattern=HOST)]
 """An IPv4 address: of one interface, never of all."""
 Port = Annotated[int, Field(ge=1, le=65535)]
 Seconds = Annotated[float, Field(gt=0.0, le=3600.0)]
-DIRECTORY = "labs"
-"""Where labs that are called by their names are looked for: beside the experiments."""
 
 
 class Endpoint(Record):
@@ -141,7 +142,8 @@ class LabDocument(Artifact):
         ):
             if not low <= at <= high:
                 yield Fault(
-                    ("arm", "home_pose_rad", joint), f"must be within the joint's limits {low:g} and {high:g}, got {at}"
+                    ("arm", "home_pose_rad", joint),
+                    f"must be within the joint's limits {low:g} and {high:g} rad, got {at} rad",
                 )
         if self.arm.local == self.arm.remote:
             yield Fault(("arm", "local"), "must differ from arm.remote: both ends cannot have the same port")
@@ -163,7 +165,7 @@ class LabDocument(Artifact):
 
 
 def find_lab(name: str, beside: Path) -> Path:
-    """Path of a lab's file: ``name`` is a path, or a name in the directory ``labs`` beside the experiments.
+    """Path of a lab's file: ``name`` is a path, or a name beside the experiments or in ``experiments``.
 
     Raises
     ------
@@ -175,12 +177,10 @@ def find_lab(name: str, beside: Path) -> Path:
         if not path.is_file():
             raise NotFoundError(f"lab {name}: there is no such file")
         return path
-    directory = beside / DIRECTORY
-    path = directory / f"{name}.yaml"
-    if not path.is_file():
-        there = ", ".join(sorted(one.stem for one in directory.glob("*.yaml"))) or "none"
-        raise NotFoundError(f"lab {name}: there is no {path}; labs there: {there}")
-    return path
+    there = labs(beside)
+    if name not in there:
+        raise NotFoundError(f"lab {name}: no {beside / 'labs' / name}.yaml, {instead(name, list(there))}")
+    return there[name]
 
 
 def load_lab(path: Path) -> LabDocument:

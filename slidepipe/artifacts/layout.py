@@ -1,8 +1,8 @@
 """Which layout a store has: ``store.yaml``. Loads YAML and pydantic only where there is something to complain of."""
 
-import os
 from pathlib import Path
 
+from slidepipe.artifacts.durable import whole
 from slidepipe.errors import InputError, StoreError
 
 NAME = "store.yaml"
@@ -41,6 +41,5 @@ def write_layout(root: Path) -> None:
     path = root / NAME
     if path.exists():
         return
-    draft = path.with_name(f".tmp-store-{os.getpid()}.yaml")
-    draft.write_text(TEXT, encoding="utf-8")
-    draft.replace(path)
+    with whole(path, StoreError) as draft:
+        draft.write_text(TEXT, encoding="utf-8")

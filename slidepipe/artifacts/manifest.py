@@ -9,10 +9,11 @@ from pydantic import BeforeValidator, Field
 
 from slidepipe.artifacts.faults import Fault
 from slidepipe.artifacts.schema import Artifact, Record
+from slidepipe.artifacts.shapes import INSTANT, SHA256
 from slidepipe.artifacts.values import Count, NotNegative, RunId, Slug
 
-Sha256 = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
-Instant = Annotated[str, Field(pattern=r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{6}Z$")]
+Sha256 = Annotated[str, Field(pattern=SHA256)]
+Instant = Annotated[str, Field(pattern=INSTANT)]
 """UTC to the microsecond."""
 
 

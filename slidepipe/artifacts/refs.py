@@ -1,14 +1,13 @@
 """Names that people give to runs: ``refs/EXPERIMENT/NAME``, a file of one line, replaced as a whole."""
 
-import os
 import re
-import secrets
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from slidepipe.artifacts.run_id import STAGING, day_of
-from slidepipe.artifacts.wording import one_of
+from slidepipe.artifacts.durable import folder, sync, whole
+from slidepipe.artifacts.run_id import day_of
+from slidepipe.artifacts.wording import instead, one_of
 from slidepipe.errors import InputError, NotFoundError, StoreError
 
 if TYPE_CHECKING:
@@ -53,13 +52,10 @@ class Refs:
         """
         _check(name)
         path = self.directory / run.manifest.experiment / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        draft = path.with_name(f"{STAGING}{secrets.token_hex(8)}")
-        with draft.open("w", encoding="utf-8") as stream:
-            stream.write(f"{run.id}\n")
-            stream.flush()
-            os.fsync(stream.fileno())
-        draft.replace(path)
+        folder(path.parent, StoreError)
+        with whole(path, StoreError) as draft:
+            draft.write_text(f"{run.id}\n", encoding="utf-8")
+            sync([draft])
         return self.read(path)
 
     def delete(self, reference: str) -> Ref:
@@ -89,9 +85,8 @@ class Refs:
         experiment, _, name = reference.removeprefix("@").rpartition("/")
         paths = [path for path in self.paths(experiment or "*") if path.name == name]
         if not paths:
-            known = one_of([f"@{path.name}" for path in self.paths()])
-            there = f"@{LATEST}, @{LATEST}:STAGE" + (f", {known}" if known else "")
-            raise NotFoundError(f"run {reference}: no such name, there are {there}")
+            known = [f"@{LATEST}", f"@{LATEST}:STAGE", *(f"@{path.name}" for path in self.paths())]
+            raise NotFoundError(f"run {reference}: no such name, {instead(reference, known)}")
         if len(paths) > 1:
             raise NotFoundError(f"run {reference}: may be {one_of([f'@{path.parent.name}/{name}' for path in paths])}")
         return self.read(paths[0])

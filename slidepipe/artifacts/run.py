@@ -63,8 +63,8 @@ class Run:
         for output in self.manifest.outputs:
             if output.role == role:
                 return output
-        there = ", ".join(output.role for output in self.manifest.outputs) or "none"
-        raise NotFoundError(f"run {self.id}: has no {role}, its files are: {there}")
+        there = ", ".join(one.role for one in self.manifest.outputs if not one.role.startswith("other-")) or "none"
+        raise NotFoundError(f"run {self.id} of stage {self.manifest.stage}: has no {role}, its files are: {there}")
 
 
 def read_run(directory: Path) -> Run:

@@ -20,7 +20,7 @@ from slidepipe.artifacts.query import Page, Query
 from slidepipe.artifacts.refs import LATEST, Refs
 from slidepipe.artifacts.run import Run, is_whole, read_run
 from slidepipe.artifacts.run_id import day_of
-from slidepipe.artifacts.wording import one_of
+from slidepipe.artifacts.wording import instead, one_of
 from slidepipe.errors import NotFoundError, StoreError
 
 _ENDED = (RunState.COMPLETE, RunState.LOST)
@@ -156,8 +156,7 @@ class Store:
         page = self.find(Query(begins=reference))
         found = [one.directory for one in (*page.entries, *page.damaged) if _may_be(one.run, reference)]
         if not found or not reference:
-            hint = "; it is a file: slidepipe plan makes a run of an experiment file" if path.is_file() else ""
-            raise NotFoundError(f"run {reference}: there is none in {self.root}{hint}")
+            raise NotFoundError(f"run {reference}: there is none in {self.root}{self._hint(reference)}")
         if len(found) > 1:
             raise NotFoundError(f"run {reference}: may be {one_of(sorted(path.name for path in found))}")
         return _read(found[0])
@@ -202,7 +201,9 @@ class Store:
         page = self.find(Query(stage=stage if colon else None, states=states, limit=1))
         newest = self.find(Query(stage=stage, limit=1)).entries if states else page.entries
         if not page.entries:
-            raise NotFoundError(f"run {reference}: there is none in {self.root}{_instead(newest, page.damaged)}")
+            raise NotFoundError(
+                f"run {reference}: there is none in {self.root}{self._instead(stage, newest, page.damaged)}"
+            )
         latest = page.entries[-1]
         if newest[-1].run != latest.run:
             self.notice(f"{reference}: {latest.run}; after it came {newest[-1].run}, which is {newest[-1].state}")
@@ -226,6 +227,22 @@ class Store:
             raise NotFoundError(f"run {run_id}: there is none in {self.root}")
         return _read(self._runs / day / run_id)
 
+    def _hint(self, reference: str) -> str:
+        """What a name is, where it is not that of a run."""
+        if Path(reference).is_file():
+            return "; it is a file: slidepipe plan makes a run of an experiment file"
+        if self.find(Query(experiment=reference, limit=1)).entries:
+            return f"; it is an experiment: slidepipe ls --experiment {reference} lists its runs"
+        return ""
+
+    def _instead(self, stage: str, newest: Sequence[Entry], damaged: Sequence[Entry]) -> str:
+        """What there is where no run, or none of a stage, ran to its end."""
+        if newest:
+            return f" that ran to its end; {newest[-1].run} is {newest[-1].state}: name it by its id"
+        beside = f", beside {len(damaged)} that cannot be read" if damaged else ""
+        stages = sorted({entry.stage for entry in self.find(Query()).entries})
+        return f"{beside}; of the stages {instead(stage, stages)}" if stage and stages else beside
+
     def _directories(self) -> Iterator[Path]:
         """Directories of published runs, by name."""
         if not self._runs.is_dir():
@@ -246,14 +263,3 @@ def _read(directory: Path) -> Run:
 def _may_be(run_id: str, beginning: str) -> bool:
     """Whether a run may be called by this: the beginning of its id, or of its random part."""
     return run_id.startswith(beginning) or run_id.partition("-")[2].startswith(beginning)
-
-
-def _instead(newest: Sequence[Entry], damaged: Sequence[Entry]) -> str:
-    """What there is where no run of a stage ran to its end."""
-    if newest:
-        return f" that ran to its end; {newest[-1].run} is {newest[-1].state}: name it by its id"
-    return _beside(damaged)
-
-
-def _beside(damaged: Sequence[Entry]) -> str:
-    return f", beside {len(damaged)} that cannot be read" if damaged else ""

@@ -9,7 +9,7 @@ from typing import Any
 
 import yaml
 
-from slidepipe.artifacts.wording import describe
+from slidepipe.artifacts.wording import describe, nearest
 from slidepipe.artifacts.yaml_loader import StrictLoader
 from slidepipe.artifacts.yaml_scalars import STR, use_core_schema
 from slidepipe.errors import InputError, NotFoundError
@@ -89,7 +89,8 @@ def load(path: Path) -> YamlDocument:
     try:
         raw = path.read_bytes()
     except FileNotFoundError:
-        raise NotFoundError(f"{path}: no such file") from None
+        meant = nearest(path.stem, {one.stem: str(one) for one in path.parent.glob("*.yaml")})
+        raise NotFoundError(f"{path}: no such file{meant}") from None
     except IsADirectoryError:
         raise InputError(f"{path}: is a directory, a YAML file is needed") from None
     except OSError as error:
@@ -208,7 +209,23 @@ def _problem(error: yaml.MarkedYAMLError, text: str) -> str:
     line = text.splitlines()[mark.line : mark.line + 1] if mark else []
     if mark and "cannot start any token" in (error.problem or "") and line and line[0][mark.column :][:1] == "\t":
         return "a tab cannot indent YAML: use spaces"
-    return " ".join(part for part in (error.context, error.problem) if part)
+    hint = next((hint for problem, hint in _HINTS.items() if problem in (error.problem or "")), None)
+    if hint is None:
+        return " ".join(part for part in (error.context, error.problem) if part)
+    apart = error.context_mark is not None and _line_column(error.context_mark) != _line_column(mark)
+    begun = f" in what begins at {_line_column(error.context_mark)}" if apart else ""
+    return f"{error.problem}{begun}: {hint}"
+
+
+_HINTS = {
+    "mapping values are not allowed": "text with a colon needs quotes, a key its own line and a space after the colon",
+    "could not find expected ':'": "a key needs a colon and a space after it",
+    "did not find expected key": "the keys of a mapping begin in the same column, and a quote is closed on its line",
+    "did not find expected ',' or": "a comma stands between entries, and a bracket closes them",
+    "cannot start any token": "text that begins with such a character needs quotes",
+    "unexpected end of stream": "a quote or bracket that was opened is not closed",
+}
+"""What is mostly the matter where the parser says this."""
 
 
 def _line_column(mark: Any) -> str:

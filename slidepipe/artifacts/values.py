@@ -6,6 +6,7 @@ from typing import Annotated
 from pydantic import Field
 
 from slidepipe.artifacts.schema import Record
+from slidepipe.artifacts.shapes import RUN_ID, SLUG
 
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
@@ -15,9 +16,9 @@ Stamp = Annotated[int, Field(ge=0, lt=2**63)]
 """Nanoseconds on the host's clock."""
 Friction = Annotated[float, Field(ge=0.01, le=5.0)]
 """Coefficient of friction: what lies outside is a slip of the pen."""
-Slug = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_-]{0,63}$")]
+Slug = Annotated[str, Field(pattern=SLUG)]
 """A name that can stand in a path."""
-RunId = Annotated[str, Field(pattern=r"^[0-9]{8}T[0-9]{6}Z-[0-9a-hjkmnp-tv-z]{8}$")]
+RunId = Annotated[str, Field(pattern=RUN_ID)]
 Interval = tuple[float, float]
 """Lower and upper end."""
 Planar = tuple[float, float, float]

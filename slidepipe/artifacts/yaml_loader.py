@@ -53,7 +53,9 @@ class StrictLoader(yaml.CSafeLoader):
             event: Any = self.peek_event()
             key = self._value(depth + 1)
             if not isinstance(key, str):
-                raise _fault(f"a key must be text, got {describe(key)}", event)
+                alone = getattr(self.peek_event(), "value", None) == ""
+                comma = ": a number has a point, not a comma" if alone and isinstance(key, int) else ""
+                raise _fault(f"a key must be text, got {describe(key)}{comma}", event)
             if key in data:
                 raise _fault(f"{key}: duplicate key, first given at line {lines[key]}", event)
             lines[key] = event.start_mark.line + 1

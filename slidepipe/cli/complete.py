@@ -1,4 +1,4 @@
-"""What a shell offers when Tab is pressed: runs, names and experiments of the store, by the index alone."""
+"""What a shell offers when Tab is pressed: runs, names and experiments of the store, by the index alone; labs."""
 
 # ruff: noqa: PLC0415, ARG001  # loaded when it is asked for; click's signature
 
@@ -6,13 +6,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
-from click.shell_completion import CompletionItem
+from click.shell_completion import BashComplete, CompletionItem
 
 if TYPE_CHECKING:
     from slidepipe.artifacts.entry import Entry
 
 LIMIT = 50
 STAGES = ("plan", "execute", "estimate", "iterate", "run")
+
+
+class WholeWords(BashComplete):
+    """Bash that does not break a word at ``:`` or ``@``, which stand in the names of runs."""
+
+    source_template = "COMP_WORDBREAKS=${COMP_WORDBREAKS//[:@]/}\n" + BashComplete.source_template
 
 
 def complete_run(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
@@ -32,6 +38,21 @@ def complete_experiment(ctx: click.Context, param: click.Parameter, incomplete: 
     """Names of the experiments that were run last."""
     names = dict.fromkeys(one.experiment for one in _runs(ctx, "", limit=1000))
     return [CompletionItem(name) for name in names if name.startswith(incomplete)]
+
+
+def complete_subject(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """Names of experiments; where none begins so, runs."""
+    return complete_experiment(ctx, param, incomplete) or complete_run(ctx, param, incomplete)
+
+
+def complete_lab(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """Labs beside the experiment that was named before, or beside the experiments of this folder; else files."""
+    from slidepipe.artifacts.lab_names import EXPERIMENTS, labs
+
+    experiment = ctx.params.get("experiment")
+    names = labs(Path(experiment).parent if experiment else EXPERIMENTS)
+    found = [CompletionItem(name) for name in names if name.startswith(incomplete)]
+    return found or [CompletionItem(incomplete, type="file")]
 
 
 def complete_stage(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:

@@ -45,7 +45,7 @@ MEANINGS = {
     ExitCode.USAGE: "wrong usage",
     ExitCode.INPUT: "a file or a value that was given is wrong",
     ExitCode.NOT_FOUND: "no such run or file",
-    ExitCode.STORE: "the run store is damaged, or a newer slidepipe wrote it",
+    ExitCode.STORE: "the run store is damaged, not writable, or of a newer slidepipe",
     ExitCode.BUSY: "another process holds what is needed",
     ExitCode.LAB: "the arm, the gripper or the cameras failed",
     ExitCode.INTERRUPTED: "Ctrl-C",

@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 
 from slidepipe.cli import options, render
+from slidepipe.cli.complete import complete_lab
 from slidepipe.cli.exits import MEANINGS, ExitCode
 from slidepipe.cli.session import Report
 
@@ -29,7 +30,7 @@ command = options.verbs(
     example="slidepipe lab check loopback",
     exits={ExitCode.OK: "both are there and sound", ExitCode.LAB: "one of them is not: it says which, and why"},
 )
-@click.argument("name", metavar="NAME")
+@click.argument("name", metavar="NAME", shell_complete=complete_lab)
 @options.as_json
 @click.pass_context
 def check(ctx: click.Context, *, name: str, as_json: bool) -> None:
@@ -55,7 +56,8 @@ def check(ctx: click.Context, *, name: str, as_json: bool) -> None:
     exits={ExitCode.OK: "it was ended", ExitCode.LAB: "a port is taken, or the address is not this machine's"},
 )
 @click.argument("experiment", metavar="EXPERIMENT.yaml", type=click.Path(path_type=Path))
-@click.option("--lab", metavar="NAME", required=True, help="A lab file, or its name in labs beside the experiment.")
+@click.option("--lab", metavar="NAME", required=True, shell_complete=complete_lab,
+              help="A lab file, or its name in labs beside the experiment.")  # fmt: skip
 @click.option(
     "--fault", "faults", metavar="FAULT", multiple=True, help="What shall go wrong; may be given several times."
 )

@@ -10,7 +10,8 @@ from slidepipe.cli.session import Session
 
 @options.verb(
     "log",
-    "Show what a run was made from, back to the experiment file, as a tree.",
+    "Show what a run was made from, back to the experiment file.\n\n"
+    "Each run was made from the one below it; where from several, each of them is a branch.",
     example="slidepipe log @latest:estimate",
     exits={},
 )
@@ -20,7 +21,7 @@ from slidepipe.cli.session import Session
 def command(session: Session, *, run: str, as_json: bool) -> None:
     """Show an ancestry."""
     from slidepipe.artifacts.ancestry import ancestry
-    from slidepipe.cli.views.ancestry import ancestry_lines, ancestry_tree
+    from slidepipe.cli.views.ancestry import ancestry_lines, ancestry_view
 
     store = session.store()
     found = store.get(run)
@@ -28,4 +29,4 @@ def command(session: Session, *, run: str, as_json: bool) -> None:
     if as_json:
         render.put_json("slidepipe.ancestry/1", {"run": found.id, "ancestors": ancestry_lines(ancestors)})
     else:
-        render.put([ancestry_tree(ancestors, found.id)])
+        render.put(ancestry_view(ancestors, found.id))

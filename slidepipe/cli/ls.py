@@ -82,7 +82,7 @@ def command(
         content = {"runs": [run_line(one) for one in page.entries], "faults": faults}
         render.put_json("slidepipe.run_list/1", content)
     else:
-        _show(page, filtered=query != Query(limit=query.limit), session=session)
+        _show(page, query, session)
     for fault in faults:
         render.note(f"error: {fault}")
     if left:
@@ -110,7 +110,7 @@ def _interrupted(page: "Page", query: "Query", session: "Session") -> "list[Entr
     ]
 
 
-def _show(page: "Page", *, filtered: bool, session: "Session") -> None:
+def _show(page: "Page", query: "Query", session: "Session") -> None:
     from slidepipe.cli.views.listing import run_list
 
     if page.entries:
@@ -118,7 +118,10 @@ def _show(page: "Page", *, filtered: bool, session: "Session") -> None:
     elif page.damaged:
         return
     else:
-        render.note("no such runs" if filtered and (session.data / "runs").is_dir() else f"no runs in {session.data}")
+        from slidepipe.artifacts.query import Query
+        from slidepipe.cli.views.listing import nothing_found
+
+        render.note(nothing_found(query, session.find(Query()).entries, session.data))
     if page.total > len(page.entries):
         render.note(f"the last {len(page.entries)} of {page.total} runs (--limit 0 lists all)")
 

@@ -10,12 +10,13 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click.shell_completion import add_completion_class
 
 from slidepipe import __version__
-from slidepipe.cli import render
+from slidepipe.cli import complete, render
 from slidepipe.cli.exits import ExitCode, exit_code
 from slidepipe.cli.session import Session
-from slidepipe.errors import SlidepipeError
+from slidepipe.errors import UNWRITABLE, SlidepipeError
 
 VERBS = (
     "plan",
@@ -94,15 +95,24 @@ class Verbs(click.Group):
         render.hear()
         try:
             return _flushed(lambda: super(Verbs, self).invoke(ctx))
+        except click.NoSuchOption as error:
+            raise _misplaced(self, error) or error from None
         except SlidepipeError as error:
             render.fail(error)
             ctx.exit(exit_code(error))
-        except KeyboardInterrupt:
-            render.note("interrupted")
+        except KeyboardInterrupt as interrupt:
+            render.note(": ".join(["interrupted", *map(str, interrupt.args)]))
             ctx.exit(ExitCode.INTERRUPTED)
         except BrokenPipeError:
             _hush()
             ctx.exit(ExitCode.BROKEN_PIPE)
+        except OSError as error:
+            if error.errno not in UNWRITABLE:
+                raise
+            if error.filename is None:
+                _hush()
+            render.note(f"error: {error.filename or 'standard output'}: {error.strerror}")
+            ctx.exit(ExitCode.STORE)
 
 
 @click.group(
@@ -128,7 +138,19 @@ def cli(ctx: click.Context, data: Path) -> None:
 
 def main() -> None:
     """Run the command line."""
+    add_completion_class(complete.WholeWords)
     cli(prog_name="slidepipe")
+
+
+def _misplaced(group: click.Group, error: click.NoSuchOption) -> click.UsageError | None:
+    """Say where an option belongs that was given after the verb, and is one of the group; None where it is not."""
+    option = next((one for one in group.params if error.option_name in one.opts), None)
+    if option is None or error.ctx is None:
+        return None
+    takes = "" if isinstance(option, click.Option) and option.is_flag else f" {option.make_metavar(error.ctx)}"
+    program, _, verb = error.ctx.command_path.partition(" ")
+    where = f"{program} {error.option_name}{takes} {verb}"
+    return click.UsageError(f"{error.option_name} is an option of {program} itself, before the command: {where}")
 
 
 def _module(verb: str) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 
 import click
 
-from slidepipe.cli.complete import complete_run
+from slidepipe.cli.complete import complete_lab, complete_run
 from slidepipe.cli.exits import MEANINGS, ExitCode
 
 Callback = Callable[..., None]
@@ -57,6 +57,7 @@ all_limits: Callable[[Callback], Callback] = click.option(
 lab: Callable[[Callback], Callback] = click.option(
     "--lab",
     metavar="NAME",
+    shell_complete=complete_lab,
     help="A lab file, or its name in experiments/labs.  [default: the simulated lab in virtual time]",
 )
 yes: Callable[[Callback], Callback] = click.option("--yes", is_flag=True, help="Move a real arm without asking.")
@@ -65,9 +66,22 @@ yes: Callable[[Callback], Callback] = click.option("--yes", is_flag=True, help="
 def overrides(example: str) -> Callable[[Callback], Callback]:
     """Make the option that sets keys of the experiment."""
     option: Callable[[Callback], Callback] = click.option(
-        "--set", "overrides", metavar="KEY=VALUE", multiple=True, help=f"Set a key of the experiment: {example}."
+        "--set",
+        "overrides",
+        metavar="KEY=VALUE",
+        multiple=True,
+        callback=_with_equals,
+        help=f"Set a key of the experiment: {example}.",
     )
     return option
+
+
+def _with_equals(ctx: click.Context, param: click.Parameter, settings: tuple[str, ...]) -> tuple[str, ...]:  # noqa: ARG001
+    """Refuse what has no value before the word behind it is taken for an argument too many."""
+    for one in settings:
+        if "=" not in one:
+            raise click.BadParameter(f"must read KEY=VALUE in one word: {one}=...")
+    return settings
 
 
 runs_argument: Callable[[Callback], Callback] = click.argument(

@@ -20,10 +20,12 @@ WIDTH = 100
 
 def put(parts: Iterable["RenderableType"]) -> None:
     """Print tables and lines of text on stdout; in colour on a terminal only, and not where NO_COLOR is set."""
+    from rich.text import Text  # noqa: PLC0415  # help must not wait for rich
+
     console = _console(sys.stdout)
     with console.capture() as printed:
         for part in parts:
-            console.print(part, width=_width(console, part), soft_wrap=isinstance(part, str), crop=False)
+            console.print(part, width=_width(console, part), soft_wrap=isinstance(part, str | Text), crop=False)
     for line in printed.get().splitlines():
         sys.stdout.write(line.rstrip() + "\n")
 

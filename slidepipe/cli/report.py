@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from slidepipe.cli import options, render
+from slidepipe.cli.complete import complete_subject
 from slidepipe.cli.exits import ExitCode
 from slidepipe.cli.session import Session
 
@@ -18,7 +19,7 @@ from slidepipe.cli.session import Session
     example="slidepipe report regrasp --to report.html",
     exits={ExitCode.OK: "written", ExitCode.NOT_FOUND: "no such experiment or run, or no trial belongs to it"},
 )
-@click.argument("subject", metavar="SUBJECT")
+@click.argument("subject", metavar="SUBJECT", shell_complete=complete_subject)
 @click.option("--to", "path", type=click.Path(path_type=Path, dir_okay=False), default=Path("report.html"),
               show_default=True, help="File to write.")  # fmt: skip
 @options.as_json

@@ -2,6 +2,7 @@
 
 # ruff: noqa: PLC0415  # what computes is imported when it is called, so that help is there at once
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -32,7 +33,11 @@ if TYPE_CHECKING:
 @click.option("--trials", type=click.IntRange(min=1), help="At most so many.  [default: as the experiment says]")
 @options.overrides("--set lab.seed=7")
 @options.way
-@click.option("--repeat", type=click.IntRange(min=1), help="Execute the first plan so often, to see how it repeats.")
+@click.option(
+    "--repeat",
+    type=click.IntRange(min=1),
+    help="Execute the first plan so often in the simulated lab, to see how it repeats.",
+)
 @click.option("--resume", is_flag=True, help="Go on where the experiment's last campaign ended or was interrupted.")
 @options.lab
 @options.yes
@@ -55,11 +60,14 @@ def command(
     from slidepipe.stages.one_dof import is_one_dof
 
     session: Session = ctx.obj
+    others = {"--lab": lab, "--trials": trials, "--way": way}
     if is_one_dof(experiment):
+        _without({**others, "--repeat": repeat, "--resume": resume or None}, "an experiment of one degree of freedom")
         from slidepipe.cli.one_dof import run_one_dof
 
         ctx.exit(run_one_dof(session, experiment, overrides, as_json=as_json))
     if repeat is not None:
+        _without(others, "--repeat, which executes the first plan in the simulated lab,")
         _repeat(session, experiment, overrides, count=repeat, resume=resume, as_json=as_json)
         return
     from slidepipe.cli.views.campaign import campaign_view
@@ -82,6 +90,13 @@ def command(
     report.put(campaign_view(result.document, result.run), as_json=as_json)
     if not result.document.converged:
         ctx.exit(ExitCode.NO)
+
+
+def _without(options: Mapping[str, object], what: str) -> None:
+    """Refuse options that would say nothing."""
+    given = [name for name, value in options.items() if value is not None]
+    if given:
+        raise click.UsageError(f"{what} goes without {' and '.join(given)}")
 
 
 def _repeat(

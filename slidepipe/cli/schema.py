@@ -48,9 +48,7 @@ def command(*, name: str | None, out: Path | None, as_json: bool) -> None:
 
 
 def _write(out: Path, text: str) -> None:
-    from slidepipe.errors import InputError
+    from slidepipe.artifacts.durable import whole
 
-    try:
-        out.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"{out}: cannot be written: {error.strerror}") from None
+    with whole(out) as draft:
+        draft.write_text(text, encoding="utf-8")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from slidepipe.artifacts.lab_names import EXPERIMENTS
 from slidepipe.cli import render
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ def watched(lab: str | None, *, yes: bool, beside: Path | None = None) -> "Itera
         return
     if not yes and not sys.stdin.isatty():
         raise click.UsageError(NOT_ASKED)
-    from slidepipe.stages.on_lab import EXPERIMENTS, RealLab  # noqa: PLC0415  # help must not wait for it
+    from slidepipe.stages.on_lab import RealLab  # noqa: PLC0415  # help must not wait for it
 
     person = _Person(yes=yes)
     try:

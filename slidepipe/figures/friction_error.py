@@ -52,9 +52,11 @@ def draw_friction_error(data: FrictionErrorPicture) -> Figure:
         _fill(axes, data, (data.nominal, data.less), LESS, f"$d_3$ = {1e3 * long:.1f} mm")
         axes.plot(data.time_s, data.finger, **FINGER, zorder=4)
         axes.plot(data.time_s, data.nominal, **{**OBJECT, "label": "object, $μ = μ_0$"}, zorder=5)
-        for values, sign, colour in ((data.more, "+", MORE["edgecolor"]), (data.less, "-", LESS["edgecolor"])):
+        more = (data.more, "+", {"color": MORE["edgecolor"], "linestyle": (0, (1, 1))})
+        less = (data.less, "-", {"color": LESS["edgecolor"], "linestyle": (0, (5, 1.5, 1, 1.5))})
+        for values, sign, look in (more, less):
             label = f"object, $μ = μ_0(1 {sign} {data.eps:g})$"
-            axes.plot(data.time_s, values, color=colour, linewidth=1.0, linestyle=(0, (1, 1)), label=label, zorder=5)
+            axes.plot(data.time_s, values, linewidth=1.2, label=label, zorder=5, **look)
         mark_phases(axes, data.edges_s, ("$T_1$", "$T_2$", "$T_3$", "$T_4$"))
         axes.set_xlabel("time (s)")
         axes.set_ylabel("velocity (m/s)")

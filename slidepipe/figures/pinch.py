@@ -104,6 +104,7 @@ def _draw_across(axes: Any, data: PinchPicture) -> None:
     told = f"{data.normal_force_per_finger_n:g} N each"
     axes.text(0.0, -0.5 * tall - 0.012, told, ha="center", fontsize=8.5)
     axes.set_xlim(-0.06, 0.06)
+    axes.set_xticks([-0.04, 0.0, 0.04])
     axes.set_ylim(-0.5 * tall - 0.02, 0.5 * tall + 0.01)
     axes.set_aspect("equal")
     axes.set_xlabel("across the plane (m)")

@@ -1,7 +1,8 @@
 """Fig. 12: where repeated trials begin and end, in the space of the relative pose."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,12 @@ from slidepipe.series import FloatArray
 
 MARKERS = {"start": "^", "end": "o"}
 WANTED = "#c62828"
+
+
+HOLLOW: Mapping[str, Any] = MappingProxyType(
+    {"color": WANTED, "markerfacecolor": "none", "markeredgewidth": 1.8, "markersize": 10}
+)
+"""What is wanted: a ring about what was reached, which shows in grey as well."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,8 +79,8 @@ def _draw_space(axes: Any, data: RepeatsPicture) -> None:
             *start[:, None], marker=MARKERS["start"], color=colour, markersize=5, markeredgecolor="black", mew=0.3
         )
     axes.plot(*np.stack(wanted).T, color=WANTED, linewidth=1.0, linestyle=(0, (4, 2)))
-    axes.plot(*wanted[0][:, None], marker=MARKERS["start"], color=WANTED, markersize=8, markeredgecolor="white")
-    axes.plot(*wanted[1][:, None], marker=MARKERS["end"], color=WANTED, markersize=8, markeredgecolor="white")
+    axes.plot(*wanted[0][:, None], marker=MARKERS["start"], **HOLLOW)
+    axes.plot(*wanted[1][:, None], marker=MARKERS["end"], **HOLLOW)
     everything = np.array([*points["start"], *points["end"], *wanted])
     low, high = everything.min(axis=0) - 4.0, everything.max(axis=0) + 4.0
     grid = np.meshgrid([low[0], high[0]], [low[1], high[1]])
@@ -93,7 +100,7 @@ def _draw_plane(axes: Any, data: RepeatsPicture) -> None:
         named = {"start": "start", "end": "end"} if index == len(data.repeats) // 2 else {}
         axes.plot(*(1e3 * one.start[:2, None]), marker="^", markersize=5, label=named.get("start"), **edge)
         axes.plot(*(1e3 * one.end[:2, None]), marker="o", markersize=6, label=named.get("end"), **edge)
-    wanted = {"color": WANTED, "markeredgecolor": "white", "linestyle": "none", "markersize": 9, "zorder": 3}
+    wanted = {**HOLLOW, "linestyle": "none", "zorder": 5}
     axes.plot(*(1e3 * data.start[:2, None]), marker="^", label="start wanted", **wanted)
     axes.plot(*(1e3 * data.goal[:2, None]), marker="o", label="goal", **wanted)
     axes.plot(*(1e3 * np.stack([data.start[:2], data.goal[:2]]).T), color=WANTED, linewidth=0.8, zorder=2)

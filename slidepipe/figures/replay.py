@@ -1,5 +1,8 @@
 """One trial in three dimensions, as a recording of the rerun viewer."""
 
+import os
+import sys
+import sysconfig
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,6 +13,7 @@ from slidepipe.errors import NotFoundError
 from slidepipe.series import FloatArray, IntArray, JointSeries, PoseSeries
 
 TIMELINE = "motion"
+INSTEAD = "--save FILE.rrd (for rerun) or FILE.mcap (for Foxglove) writes what it would show"
 ARM, HAND, BLOCK = "world/arm", "world/hand", "world/block"
 GREY, RED, CREAM = (90, 100, 110), (179, 38, 30), (239, 233, 220)
 
@@ -64,11 +68,24 @@ def save_replay(replay: Replay, path: Path) -> None:
 
 
 def open_replay(replay: Replay) -> None:
-    """Open the viewer with it; it goes on when this program has ended."""
+    """Open the viewer with it; it goes on when this program has ended.
+
+    Raises
+    ------
+    NotFoundError
+        rerun is not installed, or there is no display to open it on.
+    """
     stream = _stream(replay)
-    stream.spawn(default_blueprint=_blueprint())
-    _log(stream, replay)
-    stream.flush()
+    if sys.platform == "linux" and not any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY")):
+        raise NotFoundError(f"the viewer needs a display, and there is none: {INSTEAD}")
+    beside_python = sysconfig.get_path("scripts")  # where pip puts it; an environment that is not activated lacks it
+    os.environ["PATH"] = os.pathsep.join([os.environ.get("PATH", os.defpath), beside_python])
+    try:
+        stream.spawn(default_blueprint=_blueprint())
+        _log(stream, replay)
+        stream.flush()
+    except RuntimeError as error:
+        raise NotFoundError(f"the viewer cannot be opened: {str(error).splitlines()[0]}: {INSTEAD}") from None
 
 
 def _rerun() -> Any:

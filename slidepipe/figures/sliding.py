@@ -17,6 +17,9 @@ ROOM = 1.5
 MOST_FRAMES = (1.0, 99.0)
 """Percentiles of the frames that a scale shows: outliers among them do not count."""
 
+AWAY_M, AWAY_WAYS = 0.3, 10.0
+"""So far from the goal, and so many times the planned way, a finger is not on the object any more."""
+
 
 @dataclass(frozen=True, slots=True)
 class SlidingPanel:
@@ -79,8 +82,12 @@ class SlidingPanel:
         return turned(running, self.goal[2] - running[-1, 2])
 
     def near_plan(self, poses: FloatArray) -> FloatArray:
-        """Poses with their angles in the turn in which the plan begins."""
-        return near(poses, self.plan)
+        """Poses with their angles in the turn in which the plan begins; none once the object has left the fingers."""
+        shown = np.array(near(poses, self.plan))
+        reach_m = max(AWAY_M, AWAY_WAYS * float(np.hypot(*np.ptp(self.plan[:, :2], axis=0))))
+        away = np.hypot(*(shown[:, :2] - self.goal[:2]).T) > reach_m
+        shown[np.maximum.accumulate(away)] = np.nan
+        return shown
 
 
 def draw_sliding(panels: Sequence[SlidingPanel], path: Path) -> None:

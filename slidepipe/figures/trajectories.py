@@ -92,7 +92,7 @@ def _draw_slide(axes: Any, panel: TrajectoryPanel) -> None:
     for index in indices:
         tip = panel.q_o[index, :2] + 0.06 * panel.ddq_o[index, :2] / peak
         axes.annotate("", tip, panel.q_o[index, :2], arrowprops={**ARROW, **ACCELERATION}, zorder=7)
-    axes.set_title(f"slide, {panel.slide_s[0]:.1f} s to {panel.slide_s[1]:.1f} s: up to {peak:.1f} m/s²")
+    axes.set_title(f"slide, {panel.slide_s[0]:.1f} to {panel.slide_s[1]:.1f} s, up to {peak:.1f} m/s²", fontsize=9.0)
     _finish(axes)
 
 

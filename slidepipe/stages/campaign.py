@@ -15,7 +15,7 @@ from slidepipe.stages import campaign_files, estimate, execute, iterate, plan
 from slidepipe.stages.campaign_files import CAMPAIGN, SLIDING, TRACKING, CampaignEnd, CampaignResult
 from slidepipe.stages.on_lab import RealLab
 from slidepipe.stages.past import past_trials
-from slidepipe.stages.resume import Tip, find_tip, finished_campaign
+from slidepipe.stages.resume import Tip, find_tip, finished_campaign, resumable
 from slidepipe.stages.stopping import Stop, no_plan, stop_after
 
 __all__ = ["CAMPAIGN", "SLIDING", "TRACKING", "CampaignRequest", "CampaignResult", "run"]
@@ -46,11 +46,15 @@ def run(request: CampaignRequest) -> CampaignResult:
     Raises
     ------
     InputError
-        The experiment file is wrong.
+        The experiment file, or the lab's, is wrong.
+    NotFoundError
+        There is no such file.
     InfeasibleError
         The first motion breaks a limit. A later one that does ends the campaign, which says so.
     """
     experiment = load_experiment(request.experiment, request.overrides)
+    if request.lab is not None:
+        request.lab.document()  # what is wrong with it is told before anything is planned for it
     first = plan.run(plan.PlanRequest(request.experiment, request.store, request.overrides, command=request.command))
     tip = _begin(request, first.run)
     if tip.estimate_run is not None:
@@ -58,7 +62,8 @@ def run(request: CampaignRequest) -> CampaignResult:
         if done is not None and done.document.converged:
             request.report(f"nothing to resume: campaign {done.run.id} has converged")
             return done
-    end = _loop(request, experiment, tip)
+    with resumable(lambda: find_tip(request.store, first.run) is not None):
+        end = _loop(request, experiment, tip)
     return campaign_files.publish(request.store, request.experiment, experiment, end, request.command)
 
 

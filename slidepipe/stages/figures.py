@@ -4,8 +4,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from slidepipe.artifacts.durable import folder, whole
 from slidepipe.artifacts.store import Store
-from slidepipe.errors import InputError, NotFoundError
+from slidepipe.errors import NotFoundError
 from slidepipe.figures.paper import save_figure
 from slidepipe.stages import paper_motions, paper_theory
 from slidepipe.stages.figure_names import CAPTIONS, TITLES
@@ -69,12 +70,12 @@ def run(request: FiguresRequest) -> tuple[FigureWritten, ...]:
     if not all((request.experiments / name).is_file() for name in NEEDED):
         raise NotFoundError(f"{request.experiments}: must hold {', '.join(NEEDED)} (--experiments PATH)")
     runs = PaperRuns(request.experiments, request.store, request.report, request.command)
-    _folder(request.directory)
+    folder(request.directory)
     written = tuple(_draw(name, runs, request.directory) for name in request.names or TITLES)
     text = captions_page([(one.name, one.title, one.caption) for one in written])
     _put(request.directory / CAPTIONS, text)
     if request.table is not None:
-        _folder(request.table.parent)
+        folder(request.table.parent)
         _put(request.table, claims_page(claims(runs)))
     return written
 
@@ -84,18 +85,6 @@ def _draw(name: str, runs: PaperRuns, directory: Path) -> FigureWritten:
     return FigureWritten(name, TITLES[name], drawn.caption, save_figure(drawn.figure, directory, name))
 
 
-def _folder(directory: Path) -> None:
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{directory}: cannot be made a folder: {error.strerror}") from None
-
-
 def _put(path: Path, text: str) -> None:
-    """Write a text whole or not at all."""
-    draft = path.with_name(f".{path.name}.tmp")
-    try:
+    with whole(path) as draft:
         draft.write_text(text, encoding="utf-8")
-        draft.replace(path)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from None

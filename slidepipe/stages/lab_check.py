@@ -1,11 +1,15 @@
 """Check a lab: what its arm and its cameras say, without a word to the arm."""
 
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
 from slidepipe.artifacts.lab import LabDocument, find_lab, load_lab
+from slidepipe.artifacts.lab_names import EXPERIMENTS
 from slidepipe.errors import LabError
 from slidepipe.lab.clock import TICK_NS, RealClock
 from slidepipe.lab.link import LinkedArm
@@ -15,7 +19,6 @@ from slidepipe.lab.protocols import MocapFrame
 from slidepipe.lab.transport import UdpTransport
 from slidepipe.lab.wam_codec import CODECS
 from slidepipe.stages.labs import address, camera_settings
-from slidepipe.stages.on_lab import EXPERIMENTS
 
 LISTEN_S = 2.0
 """How long both streams are listened to."""
@@ -55,13 +58,19 @@ def run(name: str, listen_s: float = LISTEN_S) -> LabCheck:
         It is wrong.
     """
     lab = load_lab(find_lab(name, EXPERIMENTS))
-    facts = []
-    for about, look in (("arm", _arm), ("cameras", _cameras)):
-        try:
-            facts += [Fact(about, *row) for row in look(lab, listen_s)]
-        except LabError as error:
-            facts.append(Fact(about, "error", str(error), sound=False))
-    return LabCheck(lab, tuple(facts))
+    with ThreadPoolExecutor(len(LOOKS)) as both:
+        found = both.map(lambda about, look: _facts(about, look, lab, listen_s), LOOKS.keys(), LOOKS.values())
+        return LabCheck(lab, tuple(fact for facts in found for fact in facts))
+
+
+Look = Callable[[LabDocument, float], list[tuple[str, str, bool]]]
+
+
+def _facts(about: str, look: Look, lab: LabDocument, listen_s: float) -> list[Fact]:
+    try:
+        return [Fact(about, *row) for row in look(lab, listen_s)]
+    except LabError as error:
+        return [Fact(about, "error", str(error), sound=False)]
 
 
 def _arm(lab: LabDocument, listen_s: float) -> list[tuple[str, str, bool]]:
@@ -161,3 +170,6 @@ def _apart(frames: list[MocapFrame]) -> str:
 
 def _ms(value_ns: int | None) -> str:
     return "-" if value_ns is None else f"{1e-6 * value_ns:.2f} ms"
+
+
+LOOKS: Mapping[str, Look] = MappingProxyType({"arm": _arm, "cameras": _cameras})

@@ -9,6 +9,7 @@ import numpy as np
 from slidepipe.artifacts.draft import Draft
 from slidepipe.artifacts.experiment import Experiment
 from slidepipe.artifacts.lab import LabDocument, find_lab, load_lab
+from slidepipe.artifacts.lab_names import EXPERIMENTS
 from slidepipe.artifacts.manifest import RunState
 from slidepipe.artifacts.recording_reader import Recording, read_recording
 from slidepipe.artifacts.run import Run
@@ -26,8 +27,6 @@ from slidepipe.stages.trial_files import RECORDING_FILE, Executed, trial_documen
 from slidepipe.stages.watch import Watch, stream
 
 LATE_S = 0.001
-EXPERIMENTS = Path("experiments")
-"""Where labs are looked for that are called by their names, unless an experiment file says where it lies."""
 
 
 @dataclass(frozen=True, slots=True)

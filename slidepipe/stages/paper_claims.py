@@ -1,6 +1,6 @@
 """The paper's numbers beside ours, each with the difference and its reason."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import fsolve
@@ -12,23 +12,13 @@ from slidepipe.mechanics.pressure_patch import torsion_constant
 from slidepipe.mechanics.theorem_1 import contraction_bound, contraction_factor, d_2, eps_limits, theorem_1
 from slidepipe.planning.three_phase import ThreePhaseMotion
 from slidepipe.series import FloatArray, IntArray
+from slidepipe.stages.paper_claim import Claim, less
+from slidepipe.stages.paper_given import followed, given
 from slidepipe.stages.paper_repeats import PAPER_ERROR, PAPER_SD, friction_for_miss, repeat_error
 from slidepipe.stages.paper_runs import FRICTION_SD, PaperRuns, Planned, Tried
 from slidepipe.stages.paper_theory import ACCELERATIONS, D_GOAL_M, EPS
 from slidepipe.stages.translate import block, first_regrasp, setup
 from slidepipe.stages.trial_facts import RECORDING
-
-
-@dataclass(frozen=True, slots=True)
-class Claim:
-    """One number of the paper beside ours, as they are printed."""
-
-    where: str
-    what: str
-    paper: str
-    ours: str
-    difference: str
-    reason: str
 
 
 def claims(runs: PaperRuns) -> tuple[Claim, ...]:
@@ -37,10 +27,12 @@ def claims(runs: PaperRuns) -> tuple[Claim, ...]:
         *_one_dof(),
         *_theorem(),
         *_surface(),
+        *given(runs),
         *_planned(runs.linear, "VIII-A", (0.3, 0.2, 1.1), (2.0, 4.0, 0.0)),
         *_planned(runs.rotational, "VIII-B", (0.3, 0.2, 0.3), (2.0, 0.0, 25.0 * np.pi)),
         *_forces(runs),
         *_recorded(runs.nominal),
+        *followed(runs),
         *_errors(runs),
     )
 
@@ -60,12 +52,12 @@ def _one_dof() -> tuple[Claim, ...]:
     closed = {"T1": profile.T1, "T2": profile.T2, "T3": profile.T3}
     rows = [
         Claim(
-            "III-C, eq. (4)", f"{name}, Fig. 1", f"{value:.6f} s", f"{found:.6f} s", _less(found - value, "s"), FORMULA
+            "III-C, eq. (4)", f"{name}, Fig. 1", f"{value:.6f} s", f"{found:.6f} s", less(found - value, "s"), FORMULA
         )
         for (name, value), found in zip(closed.items(), solved, strict=True)
     ]
     ours = profile.T - sum(closed.values())
-    last = Claim("III-C", "T4, Fig. 1", "T1 - T3", f"{ours:.6f} s", _less(ours - profile.T4, "s"), "T34 = T1")
+    last = Claim("III-C", "T4, Fig. 1", "T1 - T3", f"{ours:.6f} s", less(ours - profile.T4, "s"), "T34 = T1")
     return (*rows, last)
 
 
@@ -111,7 +103,7 @@ def _theorem() -> tuple[Claim, ...]:
             f"|d2/d_goal|, ε = {EPS}",
             f"{short:.6f}",
             f"{contraction_factor(s, s.a_o * (1.0 + EPS)):.6f}",
-            _less(contraction_factor(s, s.a_o * (1.0 + EPS)) - short),
+            less(contraction_factor(s, s.a_o * (1.0 + EPS)) - short),
             "the formula beside the simulated slide with more friction",
         ),
         Claim(
@@ -119,7 +111,7 @@ def _theorem() -> tuple[Claim, ...]:
             f"|d3/d_goal|, ε = {EPS}",
             f"{bound:.6f}",
             f"{worst:.6f}",
-            _less(worst - bound),
+            less(worst - bound),
             "the formula beside the worst of the simulated slides",
         ),
     )
@@ -136,7 +128,7 @@ def _planned(
 ) -> tuple[Claim, ...]:
     spans = [phase.stop_s - phase.start_s for phase in planned.document.phases]
     rows = [
-        Claim(section, name, f"{wanted:g} s", f"{got:.3g} s", _less(got - wanted, "s"), "as the experiment file says")
+        Claim(section, name, f"{wanted:g} s", f"{got:.3g} s", less(got - wanted, "s"), "as the experiment file says")
         for name, wanted, got in zip(("T1", "T23", "T4"), times_s, spans, strict=True)
     ]
     got = planned.document.slide.relative_acceleration
@@ -147,7 +139,7 @@ def _planned(
             f"relative acceleration, {axis}",
             f"{wanted:.4g} {unit}",
             f"{value:.4g} {unit}",
-            _less(value - wanted, unit),
+            less(value - wanted, unit),
             "paper's choice; ours is 4 (goal - start)/T23²",
         )
         for axis, wanted, value, unit in zip(("x", "y", "θ"), acceleration, got, units, strict=True)
@@ -247,11 +239,6 @@ def _errors(runs: PaperRuns) -> tuple[Claim, ...]:
         )
     )
     return tuple(rows)
-
-
-def _less(difference: float, unit: str = "") -> str:
-    """Return a difference, or that there is none beside rounding."""
-    return "none" if abs(difference) < 1e-9 else f"{difference:+.2g} {unit}".rstrip()
 
 
 def _rate_hz(stamp_ns: IntArray) -> float:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 
-from slidepipe.stages.paper_claims import Claim
+from slidepipe.stages.paper_claim import Claim
 
 _HEAD = ("where", "what", "paper", "ours", "ours less paper's", "reason")
 

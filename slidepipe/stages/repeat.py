@@ -18,6 +18,7 @@ from slidepipe.artifacts.values import Pose
 from slidepipe.stages import estimate, execute, plan
 from slidepipe.stages.goal import error_of
 from slidepipe.stages.plan_files import EXPERIMENT, PLAN
+from slidepipe.stages.resume import resumable
 from slidepipe.stages.trial_files import TRUTH
 
 STAGE, STAGE_VERSION = "repeat", 1
@@ -62,10 +63,11 @@ def run(request: RepeatRequest) -> RepeatResult:
     experiment = load_experiment(request.experiment, request.overrides)
     planned = plan.run(plan.PlanRequest(request.experiment, request.store, request.overrides, command=request.command))
     done = _done(request.store, planned.run) if request.resume else {}
-    rows = []
-    for number in range(1, request.count + 1):
-        rows.append(_repetition(request, experiment, planned.run, number, done.get(number)))
-        request.report(f"repetition {number} of {request.count}: {rows[-1].outcome}")
+    rows: list[Repetition] = []
+    with resumable(lambda: bool(_done(request.store, planned.run))):
+        for number in range(1, request.count + 1):
+            rows.append(_repetition(request, experiment, planned.run, number, done.get(number)))
+            request.report(f"repetition {number} of {request.count}: {rows[-1].outcome}")
     draft = request.store.draft(
         stage=STAGE,
         stage_version=STAGE_VERSION,

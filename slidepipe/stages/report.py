@@ -1,17 +1,16 @@
 """Report: everything about an experiment's trials on one page that needs no network."""
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from slidepipe import __version__
+from slidepipe.artifacts.durable import folder, whole
 from slidepipe.artifacts.recording_reader import read_recording
 from slidepipe.artifacts.schema import dump_model
 from slidepipe.artifacts.store import Store
-from slidepipe.errors import InputError
 from slidepipe.figures.convergence import Chain, draw_convergence
 from slidepipe.figures.joints import JointsPicture, draw_joints
 from slidepipe.figures.report import Picture, ReportPage, render_report
@@ -59,28 +58,13 @@ def run(request: ReportRequest) -> ReportResult:
         The page cannot be written there.
     """
     subject = find_subject(request.store, request.reference)
-    with _whole(request.path) as draft:
+    folder(request.path.parent)
+    with whole(request.path) as draft:
         page = _page(subject)
         text = render_report(page)
         draft.write_text(text, encoding="utf-8")
     names = tuple(trial.trial_run.id for trial in subject.trials)
     return ReportResult(request.path, subject.name, names, page.warnings, len(text.encode()))
-
-
-@contextmanager
-def _whole(path: Path) -> Iterator[Path]:
-    """Give a file to write that takes the other's place when all is done; that it can be made is seen to first."""
-    draft = path.with_name(f".{path.name}.tmp")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        draft.touch()
-        yield draft
-        draft.replace(path)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from None
-    finally:
-        if draft.exists():
-            draft.unlink()
 
 
 def _page(subject: Subject) -> ReportPage:
@@ -158,13 +142,13 @@ def _pictures(subject: Subject) -> list[Picture]:
     """How the finger slid and the arm followed, in the first and the last trial that were estimated."""
     told = [trial for trial in subject.trials if trial.estimate_run is not None]
     chosen = told if len(told) < 2 else [told[0], told[-1]]
-    names = " and ".join(trial.name for trial in chosen)
+    names = f"trial{'s' if len(chosen) > 1 else ''} {' and '.join(trial.name for trial in chosen)}"
     pictures = []
     if chosen:
         views = [TrialView(TrialRuns(*one.runs), one.experiment) for one in chosen]
         sliding, tracking = sliding_sheet([v.sliding() for v in views]), tracking_sheet([v.tracking() for v in views])
-        pictures.append(Picture("The slide", sliding.figure, f"The finger in the body frame, trials {names}."))
-        pictures.append(Picture("The hand", tracking.figure, f"The hand in the world plane, trials {names}."))
+        pictures.append(Picture("The slide", sliding.figure, f"The finger in the body frame, {names}."))
+        pictures.append(Picture("The hand", tracking.figure, f"The hand in the world plane, {names}."))
     last = subject.trials[-1]
     caption = (
         f"Command (dashed) and encoder of each joint, and the difference, trial {last.name}. Green: the planned slide."

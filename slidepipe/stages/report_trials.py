@@ -11,6 +11,7 @@ from slidepipe.artifacts.schema import AnyArtifact, parse
 from slidepipe.artifacts.store import Store
 from slidepipe.artifacts.strict_yaml import load
 from slidepipe.artifacts.trial import TrialDocument, TruthDocument
+from slidepipe.artifacts.wording import instead
 from slidepipe.errors import NotFoundError
 from slidepipe.stages import estimate, execute
 from slidepipe.stages.plan_files import EXPERIMENT, PLAN
@@ -96,7 +97,8 @@ def _run(store: Store, reference: str) -> Run:
     try:
         return store.get(reference)
     except NotFoundError as error:
-        raise NotFoundError(f"{error}; nor is there an experiment of this name") from None
+        names = sorted({run.manifest.experiment for run in store.survey().runs})
+        raise NotFoundError(f"{error}; nor is it an experiment: {instead(reference, names)}") from None
 
 
 def _unique(runs: Sequence[Run]) -> tuple[Run, ...]:

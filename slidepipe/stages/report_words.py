@@ -79,7 +79,7 @@ def _trial_row(trial: ReportTrial) -> tuple[str, ...]:
         _pose(trial.plan.goal_relative_pose.vector),
         _pose(reached.vector) if reached else NONE,
         *_missed(left),
-        f"{1e3 * true.position_m:.2f}" if true else NONE,
+        f"{1e3 * true.position_m:.2f}" if true and reached else NONE,
         f"{trial.plan.believed.friction:.4f}",
         f"{friction.mu.value:.4f} [{friction.mu.interval_95[0]:.4f}, {friction.mu.interval_95[1]:.4f}]"
         if friction

@@ -1,5 +1,7 @@
 """Where a campaign was left: the chain of runs in the store tells, and nothing else is kept."""
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from slidepipe.artifacts.campaign import CampaignDocument
@@ -15,6 +17,20 @@ from slidepipe.stages.past import past_trials, planned_by
 from slidepipe.stages.plan_files import PLAN
 
 ENDED = (RunState.COMPLETE, RunState.LOST)
+
+
+KEPT = "what is done is kept, and the same command with --resume goes on from there"
+
+
+@contextmanager
+def resumable(anything_done: Callable[[], bool]) -> Iterator[None]:
+    """Let Ctrl-C say, where anything is done, that it is not lost."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        if anything_done():
+            raise KeyboardInterrupt(KEPT) from None
+        raise
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ import numpy as np
 from slidepipe.arm.kinematics import link_points
 from slidepipe.arm.model import nominal_model
 from slidepipe.artifacts import topics
+from slidepipe.artifacts.durable import whole
 from slidepipe.artifacts.experiment import Experiment
 from slidepipe.artifacts.recording_reader import Recording, read_recording
 from slidepipe.artifacts.scene_file import SceneSeries, write_scene
@@ -103,19 +104,12 @@ def _started(recording: Recording) -> int:
 def _save(replay: Replay, path: Path) -> None:
     if path.suffix not in {".rrd", ".mcap"}:
         raise InputError(f"--save {path}: must end in .rrd (for rerun) or .mcap (for Foxglove)")
-    draft = path.with_name(f".{path.name}.tmp")
-    try:
-        draft.touch()
+    with whole(path) as draft:
         if path.suffix == ".rrd":
             save_replay(replay, draft)
         else:
             draft.unlink()
             write_scene(draft, _scene(replay), replay.name)
-        draft.replace(path)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from None
-    finally:
-        draft.unlink(missing_ok=True)
 
 
 def _scene(replay: Replay) -> SceneSeries:

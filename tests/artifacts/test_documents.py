@@ -153,7 +153,7 @@ def test_a_missing_friction_has_a_reason():
 
 def test_a_run_id_is_a_run_id():
     text = dump_model(TRIAL).replace(RUN, "latest")
-    with pytest.raises(InputError, match=r"^a.yaml:2:1: plan: must match .*, got 'latest'$"):
+    with pytest.raises(InputError, match=r"^a.yaml:2:1: plan: must be a run id .*, got 'latest'$"):
         parse(TrialDocument, loads(text, "a.yaml"))
 
 

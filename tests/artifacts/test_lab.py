@@ -20,11 +20,13 @@ def test_shipped_labs_are_sound_and_come_back_equal(path: Path) -> None:
     assert parse(LabDocument, loads(dump_model(lab), "a.yaml")) == lab
 
 
-def test_labs_are_found_by_name_and_by_path() -> None:
+def test_labs_are_found_by_name_and_by_path(monkeypatch: pytest.MonkeyPatch) -> None:
     path = EXPERIMENTS / "labs" / "wam.yaml"
     assert find_lab("wam", EXPERIMENTS) == path
     assert find_lab(str(path), Path("elsewhere")) == path
-    with pytest.raises(NotFoundError, match=r"^lab wan: there is no .*wan.yaml; labs there: loopback, wam$"):
+    monkeypatch.chdir(EXPERIMENTS.parent)
+    assert find_lab("wam", Path("elsewhere")) == Path("experiments/labs/wam.yaml")
+    with pytest.raises(NotFoundError, match=r"^lab wan: no .*wan.yaml, there are loopback, wam; did you mean wam.$"):
         find_lab("wan", EXPERIMENTS)
     with pytest.raises(NotFoundError, match=r"^lab none.yaml: there is no such file$"):
         find_lab("none.yaml", EXPERIMENTS)
@@ -34,9 +36,9 @@ def test_labs_are_found_by_name_and_by_path() -> None:
     ("old", "new", "words"),
     [
         ("dialect: bridge ", "dialect: brigde ", r"a.yaml:6:3: arm.dialect: must be 'positions', 'velocities' or 'br"),
-        ("host: 127.0.0.1, port: 5555", "host: localhost, port: 5555", r"arm.local.host: must match .*'localhost'"),
+        ("host: 127.0.0.1, port: 5555", "host: localhost, port: 5555", r"arm.local.host: must be an IPv4.*'localhost'"),
         ("port: 5556", "port: 5555", r"a.yaml:7:3: arm.local: must differ from arm.remote"),
-        ("home_pose_rad: [1.074", "home_pose_rad: [3.0", r"home_pose_rad\[0\]: must be within .* -2.6 and 2.6, got 3"),
+        ("home_pose_rad: [1.074", "home_pose_rad: [3.0", r"home_pose_rad\[0\]: must be within .* and 2.6 rad, got 3"),
         ("home_pose_rad: [1.074, ", "home_pose_rad: [", r"arm.home_pose_rad: must have 7 entries, got 6"),
         ("quaternion_xyzw: [0.0, 0.0, 0.0, 1.0]", "quaternion_xyzw: [0.0, 0.0, 0.0, 2.0]",
          r"cameras.frame.quaternion_xyzw: must have the length 1, got 2"),

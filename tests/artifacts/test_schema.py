@@ -1,10 +1,15 @@
+import json
+import re
 from typing import ClassVar
 
 import pytest
 
 from slidepipe.artifacts import schema
+from slidepipe.artifacts.documents import DOCUMENTS
+from slidepipe.artifacts.json_schema import json_schema
 from slidepipe.artifacts.overrides import apply_overrides
 from slidepipe.artifacts.schema import Artifact, Record, dump_model, parse
+from slidepipe.artifacts.shapes import IN_WORDS
 from slidepipe.artifacts.strict_yaml import loads
 from slidepipe.errors import InputError, NewerSchemaError
 
@@ -45,8 +50,8 @@ def test_all_faults_at_once_each_with_its_place():
     assert refused(text) == (
         "t.yaml:2:1: part.mass_kg: required key is missing",
         "t.yaml:3:3: part.mas_kg: unknown key, did you mean mass_kg?",
-        "t.yaml:5:4: parts[0].mass_kg: must be a finite number, got nan",
-        "t.yaml:6:4: parts[1].mass_kg: must be a number, got true",
+        "t.yaml:5:4: parts[0].mass_kg: must be a finite number of kg, got nan",
+        "t.yaml:6:4: parts[1].mass_kg: must be a number of kg, got true",
         "t.yaml:6:19: parts[1].label: must be text, got 3",
         "t.yaml:6:29: parts[1].colour: unknown key, allowed are mass_kg, label",
         "t.yaml:7:1: turns: must have 2 entries, got 1",
@@ -58,7 +63,7 @@ def test_kinds_of_values():
     assert refused("part: [1]") == ("t.yaml:2:1: part: must be a mapping of keys to values, got a list",)
     assert refused("part: ~") == ("t.yaml:2:1: part: must be a mapping of keys to values, got nothing",)
     assert refused("part: {mass_kg: 1}\nparts: 3") == ("t.yaml:3:1: parts: must be a list, got 3",)
-    assert refused("part: {mass_kg: '1'}") == ("t.yaml:2:8: part.mass_kg: must be a number, got '1'",)
+    assert refused("part: {mass_kg: '1'}") == ("t.yaml:2:8: part.mass_kg: must be a number of kg, got '1'",)
     assert refused("part: {mass_kg: 1}\nturns: [1, 2, 3]") == ("t.yaml:3:1: turns: must have 2 entries, got 3",)
 
 
@@ -114,13 +119,14 @@ def test_overrides_are_yaml_and_the_last_wins():
     [
         ("part.mass=1", "--set part.mass=1: part.mass: unknown key, did you mean mass_kg?"),
         ("prat.mass_kg=1", "--set prat.mass_kg=1: prat: unknown key, did you mean part?"),
-        ("part.mass_kg=x", "--set part.mass_kg=x: part.mass_kg: must be a number, got 'x'"),
-        ("part.mass_kg=", "--set part.mass_kg=: part.mass_kg: must be a number, got nothing"),
+        ("part.mass_kg=x", "--set part.mass_kg=x: part.mass_kg: must be a number of kg, got 'x'"),
+        ("part.mass_kg=", "--set part.mass_kg=: part.mass_kg: must be a number of kg, got nothing"),
         ("part={label: x}", "--set part={label: x}: part.mass_kg: required key is missing"),
         ("part.mass_kg.x=", "--set part.mass_kg.x=: part.mass_kg has no keys to set, it is 1: set part.mass_kg itself"),
         ("part.mass_kg", "--set part.mass_kg: must read key=value or key.key=value"),
         ("part..x=1", "--set part..x=1: must read key=value or key.key=value"),
-        ("turns=[1", "--set turns=[1: value:2:1: while parsing a flow sequence did not find expected ',' or ']'"),
+        ("turns=[1", ("--set turns=[1: value:2:1: did not find expected ',' or ']' in what begins at 1:1: "
+         "a comma stands between entries, and a bracket closes them")),
         ("schema=slidepipe.plan/1", ("--set schema=slidepipe.plan/1: schema: must be slidepipe.thing/3, "
          "got 'slidepipe.plan/1'")),
     ],
@@ -134,4 +140,12 @@ def test_overrides_that_are_refused(override, message):
 def test_an_override_of_a_whole_mapping_forgets_those_below():
     with pytest.raises(InputError) as caught:
         set_over("part.mass_kg=2", "part={mass_kg: x}")
-    assert caught.value.lines == ("--set part={mass_kg: x}: part.mass_kg: must be a number, got 'x'",)
+    assert caught.value.lines == ("--set part={mass_kg: x}: part.mass_kg: must be a number of kg, got 'x'",)
+
+
+def test_every_pattern_is_told_in_words():
+    patterns = set(
+        re.findall(r'"pattern": ("[^\n]*"),?\n', json.dumps([json_schema(one) for one in DOCUMENTS], indent=1))
+    )
+    assert patterns
+    assert {json.loads(pattern) for pattern in patterns} <= set(IN_WORDS)

@@ -145,7 +145,7 @@ def test_references(store, monkeypatch):
         assert "\n" not in str(caught.value)
     with pytest.raises(NotFoundError) as caught:
         first.file("trial")
-    assert str(caught.value).startswith(f"run {first.id}: has no trial, its files are: plan")
+    assert str(caught.value).startswith(f"run {first.id} of stage plan: has no trial, its files are: plan")
 
 
 def test_an_empty_store_is_not_made_by_looking(store):

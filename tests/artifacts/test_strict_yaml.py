@@ -75,9 +75,20 @@ def test_plain_scalars(text, value):
         ("a: !!python/name:os.system", ("f.yaml:1:4: tag tag:yaml.org,2002:python/name:os.system is not allowed: "
          "write the value plainly")),
         ("a: 1\n---\nb: 2", "f.yaml:2:1: a second document begins here, one is allowed"),
-        ("a: [1\nb: 2", "f.yaml:2:2: while parsing a flow sequence did not find expected ',' or ']'"),
-        ("a: 'x", "f.yaml:1:6: while scanning a quoted scalar found unexpected end of stream"),
-        ("a: b: c", "f.yaml:1:5: mapping values are not allowed in this context"),
+        ("a: [1\nb: 2",
+         ("f.yaml:2:2: did not find expected ',' or ']' in what begins at 1:4: a comma stands between entries, and a "
+         "bracket closes them")),
+        ("a: {b: 0,1, c: 2}", "f.yaml:1:10: a key must be text, got 1: a number has a point, not a comma"),
+        ("a: 1\nb:2\nc: 3", ("f.yaml:3:1: could not find expected ':' in what begins at 2:1: a key needs a colon and a "
+         "space after it")),
+        ("a: @b", ("f.yaml:1:4: found character that cannot start any token: text that begins with such a "
+         "character needs quotes")),
+        ("a:\n  b: 1\n c: 2", ("f.yaml:3:2: did not find expected key in what begins at 1:1: the keys of a mapping "
+         "begin in the same column, and a quote is closed on its line")),
+        ("a: 'x", ("f.yaml:1:6: found unexpected end of stream in what begins at 1:4: a quote or bracket "
+         "that was opened is not closed")),
+        ("a: b: c", ("f.yaml:1:5: mapping values are not allowed in this context: text with a colon needs quotes, "
+         "a key its own line and a space after the colon")),
         ("a: 1\nb: \x07", "f.yaml:2:4: character U+0007 is not allowed in YAML"),
         ("a: " + "9" * 5000, f"f.yaml:1:4: '{'9' * 56}... is too long for a number"),
         ("[" * 900, "f.yaml:1:34: nested deeper than 32 levels"),

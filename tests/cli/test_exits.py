@@ -1,5 +1,6 @@
 """How commands end: a line for each fault on stderr, a code, and never a traceback for what was foreseen."""
 
+import errno
 import os
 import signal
 import subprocess
@@ -118,3 +119,22 @@ def test_a_reader_that_went_away_is_no_error(tmp_path: Path, arguments: list[str
     os.close(writing)
     _, err = process.communicate(timeout=20)
     assert (process.returncode, err) == (141, "")
+
+
+def test_interrupt_says_what_is_kept(call, stages) -> None:
+    stages.answers["campaign"] = KeyboardInterrupt("what is done is kept")
+    assert call("run", "e.yaml").stderr == "interrupted: what is done is kept\n"
+
+
+def test_a_file_system_that_takes_nothing_is_one_line(call, stages) -> None:
+    stages.answers["plan"] = OSError(errno.EROFS, os.strerror(errno.EROFS), "kept/notes.txt")
+    result = call("plan", "e.yaml")
+    assert (result.exit_code, result.stderr) == (5, "error: kept/notes.txt: Read-only file system\n")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full device to write to")
+def test_a_full_standard_output(tmp_path: Path) -> None:
+    with Path("/dev/full").open("w") as full:
+        process = child("print('x' * 100000)", "plan", "e.yaml", cwd=tmp_path, stdout=full)
+        _, err = process.communicate(timeout=20)
+    assert (process.returncode, err) == (5, "error: standard output: No space left on device\n")

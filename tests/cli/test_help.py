@@ -115,6 +115,9 @@ def test_version(call) -> None:
         ["execute", "@latest", "--seed", "-1"],
         ["iterate", "@latest", "--way", "guess"],
         ["run", "a.yaml", "--trials", "0"],
+        ["run", "a.yaml", "--set", "friction", "0.4"],
+        ["run", "a.yaml", "--repeat", "2", "--lab", "loopback"],
+        ["run", "a.yaml", "--repeat", "2", "--trials", "3", "--way", "goal"],
         ["ls", "too-much"],
         ["show"],
     ],
@@ -125,3 +128,24 @@ def test_wrong_usage(call, arguments: list[str]) -> None:
     assert result.stdout == ""
     assert result.stderr.startswith("Usage: slidepipe ")
     assert "\nError: " in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("typed", "right"),
+    [
+        (["ls", "--version"], "slidepipe --version ls"),
+        (["ls", "--data", "elsewhere"], "slidepipe --data PATH ls"),
+        (["run", "a.yaml", "--data=elsewhere"], "slidepipe --data PATH run"),
+        (["lab", "check", "loopback", "--version"], "slidepipe --version lab check"),
+    ],
+)
+def test_an_option_of_the_group_after_the_verb(call, typed: list[str], right: str) -> None:
+    option = right.split()[1]
+    result = call(*typed)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr == f"Error: {option} is an option of slidepipe itself, before the command: {right}\n"
+
+
+def test_a_setting_in_two_words_is_told_as_such(call) -> None:
+    result = call("plan", "a.yaml", "--set", "friction", "0.4")
+    assert result.stderr.endswith("'--set': must read KEY=VALUE in one word: friction=...\n")

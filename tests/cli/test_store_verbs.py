@@ -43,8 +43,8 @@ def test_log(call, store) -> None:
     assert (result.exit_code, result.stderr) == (0, "")
     assert result.stdout == (
         f"{estimate.id}  estimate  regrasp  believed_friction 0.38\n"
-        f"└── {trial.id}  execute  regrasp  believed_friction 0.38\n"
-        f"    └── {plan.id}  plan  regrasp  believed_friction 0.38\n"
+        f"{trial.id}  execute  regrasp  believed_friction 0.38\n"
+        f"{plan.id}  plan  regrasp  believed_friction 0.38\n"
     )
     told = json.loads(call("log", "@latest", "--json").stdout)
     assert (told["schema"], told["run"]) == ("slidepipe.ancestry/1", estimate.id)
@@ -53,6 +53,18 @@ def test_log(call, store) -> None:
         (trial.id, [plan.id]),
         (plan.id, []),
     ]
+
+
+def test_log_branches_where_a_run_was_made_from_several(call, store) -> None:
+    plan = make(store, experiment="as_long_as_a_name_of_an_experiment_may_be_so_that_it_is_wide")
+    first, second = make(store, "execute", plan), make(store, "estimate", plan)
+    make(store, "pool", first, second)
+    lines = call("log", "@latest").stdout.splitlines()
+    newer, older = sorted((first, second), key=lambda run: run.id, reverse=True)
+    ids = [(line[:4], line.removeprefix(line[:4]).split()[0]) for line in lines[1:]]
+    assert ids == [("├── ", newer.id), ("│   ", plan.id), ("└── ", older.id), ("    ", plan.id)]
+    assert lines[2].endswith("so_that_it_is_wide  believed_friction 0.38")
+    assert lines[4].endswith("(see above)")
 
 
 def test_diff(call, store) -> None:
@@ -155,7 +167,7 @@ def test_ref(call, store) -> None:
     result = call("show", "@best")
     assert (result.exit_code, result.stderr) == (
         4,
-        "error: run @best: no such name, there are @latest, @latest:STAGE\n",
+        "error: run @best: no such name, there are @latest, @latest:STAGE; did you mean @latest?\n",
     )
     assert call("ref", "latest", run.id).exit_code == 3
     assert call("ref", "--delete").exit_code == 2
@@ -283,3 +295,16 @@ def test_a_lost_run_is_listed_as_such(call, store) -> None:
     with store.draft(stage="execute", stage_version=1, experiment="a", parameters={}) as draft:
         draft.state = RunState.LOST
     assert json.loads(call("ls", "--json").stdout)["runs"][0]["state"] == "lost"
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("@latest:plann", "of the stages there is plan; did you mean plan?"),
+        ("regrasp", "it is an experiment: slidepipe ls --experiment regrasp lists its runs"),
+    ],
+)
+def test_a_name_that_is_not_there_is_told_with_what_there_is(call, publish, name: str, told: str) -> None:
+    publish(samples.plan_run())
+    result = call("show", name)
+    assert (result.exit_code, result.stderr) == (4, f"error: run {name}: there is none in data; {told}\n")

@@ -88,7 +88,18 @@ def test_empty_list(call, publish) -> None:
     assert (call("ls").stdout, call("ls").stderr) == ("", "no runs in data\n")
     publish(samples.plan_run())
     result = call("ls", "--experiment", "other")
-    assert (result.exit_code, result.stdout, result.stderr) == (0, "", "no such runs\n")
+    assert (result.exit_code, result.stdout, result.stderr) == (
+        0,
+        "",
+        "no runs with --experiment other among the 1 in data; of experiments there is regrasp\n",
+    )
+    filters = ("--experiment", "regrsp", "--stage", "plan", "--state", "lost", "--since", "2030-01-01")
+    ended = "2026-11-24T09:30Z"
+    assert call("ls", *filters).stderr == (
+        "no runs with --experiment regrsp --stage plan --state lost --since 2030-01-01T00:00Z among the 1 in data"
+        "; of experiments there is regrasp; did you mean regrasp?; of states there is complete"
+        f"; the first ended {ended}, the last {ended}\n"
+    )
 
 
 def test_list_with_a_damaged_run(call, publish, tmp_path: Path) -> None:

@@ -110,6 +110,18 @@ def test_an_object_that_flies_away_does_not_flatten_the_plan(tmp_path: Path, dra
     assert (low, high) == pytest.approx((-11.0, 40.0), abs=6.0)
 
 
+def test_nothing_is_drawn_of_an_object_that_left_the_fingers(tmp_path: Path, drawn) -> None:
+    time_s = np.arange(-0.1, 1.1, 1 / 360)
+    away = np.maximum(0.0, np.sin(np.pi * np.clip((time_s - 0.3) / 0.5, 0.0, 1.0)))  # m: it leaves, and passes by again
+    real = slide(time_s)
+    real[:, 0] += away
+    draw_sliding([panel(smoothed=real, truth=real)], tmp_path / "sliding.png")
+    shown = line(drawn[0].axes[1][0], style.MEASURED).get_ydata()
+    gone = np.flatnonzero(away > 0.5)[0]
+    assert np.isnan(shown[gone:]).all()
+    assert shown[time_s < 0.3] == pytest.approx(real[time_s < 0.3, 1] * 1e3)
+
+
 def test_a_few_outliers_do_not_stretch_the_scale(tmp_path: Path, drawn) -> None:
     raw = panel().raw.copy()
     raw[[7, 90]] += [0.02, 0.02, 0.3]

@@ -8,7 +8,7 @@ import pytest
 from slidepipe.artifacts.store import Store
 from slidepipe.errors import NotFoundError
 from slidepipe.figures.paper import FORMATS
-from slidepipe.stages import paper_motions, paper_runs, paper_theory
+from slidepipe.stages import paper_given, paper_motions, paper_runs, paper_theory
 from slidepipe.stages.figure_names import TITLES
 from slidepipe.stages.figures import DRAW, FiguresRequest, FigureWritten, run
 from slidepipe.stages.paper_claims import claims
@@ -102,6 +102,11 @@ def test_the_numbers_stand_beside_the_papers(runs, place):
     assert (place / "paper.md").read_text() == claims_page(rows)
     found = {(row.where, row.what): row for row in rows}
     assert found["VIII-B", "T4"].ours == "0.3 s"
+    assert found["VIII-B", "start of the finger in {b}"].ours == "-0.01 m, 0.04 m, 0.75 π"
+    assert {row.difference for row in rows if row.reason == paper_given.FILE} == {"none"}
+    assert found["IX", "gripper with the object"].ours == "0.105 kg"
+    rms_mm = 1e3 * runs.nominal.trial.tracking_error.position_rms_m
+    assert found["IX", "tracking error of the hand"].ours == f"{rms_mm:.2f} mm rms"
     assert found["VIII-B", "relative acceleration, θ"].difference == "none"
     assert found["III-D, Theorem 1", "3: largest ε"].ours == "0.6923"
     assert all(cell for row in rows for cell in (row.where, row.what, row.paper, row.ours, row.difference, row.reason))

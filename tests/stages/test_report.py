@@ -86,10 +86,10 @@ def test_words_from_an_experiment_cannot_become_markup(regrasp):
 def test_what_cannot_be_reported_is_told(regrasp, tmp_path: Path):
     store = regrasp[1]
     with pytest.raises(
-        NotFoundError, match=r"^run nothing: there is none in .*; nor is there an experiment of this name$"
+        NotFoundError, match=r"^run nothing: there is none in .*; nor is it an experiment: there is .*$"
     ):
         report.run(report.ReportRequest("nothing", tmp_path / "a.html", store))
     (tmp_path / "file").write_text("")
-    with pytest.raises(InputError, match=r"file/a\.html: cannot be written: "):
+    with pytest.raises(InputError, match=r"file: cannot be made a folder: "):
         report.run(report.ReportRequest("regrasp", tmp_path / "file" / "a.html", store))
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file"]

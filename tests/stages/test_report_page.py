@@ -1,7 +1,10 @@
 """The report in a browser: it draws, plays and can be used without a mouse and on a phone."""
 
+import json
+import re
 import shutil
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -115,3 +118,16 @@ def test_it_fits_a_phone_and_can_be_reached_by_tab(page):
         press(page, Keys.TAB)
         reached.add(page.switch_to.active_element.get_attribute("id"))
     assert {"play", "scrub", "speed", "trial"} <= reached
+
+
+def test_an_object_that_flew_off_does_not_shrink_the_picture(page, regrasp_report: report.ReportResult, tmp_path: Path):
+    held = picture(page, "plane")
+    text = regrasp_report.path.read_text(encoding="utf-8")
+    scenes = re.search(r'id="scenes">(.*?)</script>', text, re.DOTALL)
+    told = json.loads(scenes[1])
+    for scene in told:
+        scene["object"][-1] = [15.0, -15.0, 0.0]
+    lost = tmp_path / "lost.html"
+    lost.write_text(text.replace(scenes[1], json.dumps(told)), encoding="utf-8")
+    page.get(lost.as_uri())
+    assert picture(page, "plane") == held

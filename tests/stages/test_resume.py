@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,7 @@ from slidepipe.artifacts.store import Store
 from slidepipe.artifacts.strict_yaml import load
 from slidepipe.artifacts.why import WhyDocument
 from slidepipe.stages import campaign
+from slidepipe.stages.resume import KEPT
 
 
 def killed_at(line: str, experiment: Path, data: Path) -> None:
@@ -98,3 +100,15 @@ def test_learned_arm_ends_nearer_than_one_that_is_not(experiments: Path, store: 
     told = load(store.get(second.runs.plan).file("arm")).data
     assert told["moving_mass"][1] == pytest.approx(0.05, abs=0.015)
     assert told["coulomb"][1] == pytest.approx(0.2, abs=0.1)
+
+
+def test_ctrl_c_says_that_nothing_is_lost_where_something_is_done(experiments: Path, store: Store) -> None:
+    def press(line: str, at: str) -> None:
+        if line.startswith(at):
+            raise KeyboardInterrupt
+
+    for at, said in (("trial 1: planned", ""), ("trial 1: executed", KEPT)):
+        request = campaign.CampaignRequest(experiments / "regrasp.yaml", store, partial(press, at=at))
+        with pytest.raises(KeyboardInterrupt) as pressed:
+            campaign.run(request)
+        assert str(pressed.value) == said

@@ -128,3 +128,11 @@ def test_every_path_of_the_foxglove_layout_is_in_the_files(regrasp, tmp_path: Pa
     assert {topics[name].schema for name in scene["topics"]} == {"foxglove.PoseInFrame", "foxglove.SceneUpdate"}
     panels = re.findall(r'"(\w+!\w+)"', json.dumps(layout["layout"]))
     assert sorted(panels) == sorted(layout["configById"])
+
+
+def test_without_a_display_a_file_is_offered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("rerun", reason="rerun is not installed: the extra 'view' (make test installs it)")
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    with pytest.raises(NotFoundError, match=r"^the viewer needs a display, and there is none: --save FILE\.rrd"):
+        run(ViewRequest(str(RECORDED), Store(tmp_path / "data")))

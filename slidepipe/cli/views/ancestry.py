@@ -1,22 +1,20 @@
-"""An ancestry as a person reads it: a tree, each run told once."""
+"""An ancestry as a person reads it: chains that branch, each run told once."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from itertools import chain, repeat
 
+from rich.console import RenderableType
 from rich.text import Text
-from rich.tree import Tree
 
-from slidepipe.artifacts.ancestry import Ancestor, direct
+from slidepipe.artifacts.ancestry import Ancestor, direct, outside
 from slidepipe.cli.views.tables import number
 
 RESULTS = 1
 
 
-def ancestry_tree(ancestors: Mapping[str, Ancestor], run_id: str) -> Tree:
-    """Tree below a run."""
-    told = set[str]()
-    tree = Tree(_line(ancestors[run_id]), guide_style="dim")
-    _grow(tree, ancestors, run_id, told)
-    return tree
+def ancestry_view(ancestors: Mapping[str, Ancestor], run_id: str) -> list[RenderableType]:
+    """Lines below a run: they branch where it was made from several, so that a long chain stays at the margin."""
+    return list(_branch(ancestors, run_id, set()))
 
 
 def ancestry_lines(ancestors: Mapping[str, Ancestor]) -> list[dict[str, object]]:
@@ -35,16 +33,22 @@ def ancestry_lines(ancestors: Mapping[str, Ancestor]) -> list[dict[str, object]]
     ]
 
 
-def _grow(tree: Tree, ancestors: Mapping[str, Ancestor], run_id: str, told: set[str]) -> None:
+def _branch(ancestors: Mapping[str, Ancestor], run_id: str, told: set[str]) -> Iterator[Text]:
+    """A chain of runs, line by line, and a branch for each run and file at which it forks."""
+    line = _line(ancestors[run_id])
+    if run_id in told:
+        yield line.append("  (see above)", "dim")
+        return
     told.add(run_id)
-    for parent in sorted(direct(ancestors, run_id), reverse=True):
-        line = _line(ancestors[parent])
-        if parent in told:
-            tree.add(line.append("  (see above)", "dim"))
-        else:
-            _grow(tree.add(line), ancestors, parent, told)
-    for file in ancestors[run_id].outside:
-        tree.add(Text(f"file {file}"))
+    yield line
+    branches = [_branch(ancestors, parent, told) for parent in sorted(direct(ancestors, run_id), reverse=True)]
+    branches += [iter([Text(f"file {file}")]) for file in outside(ancestors, run_id)]
+    if len(branches) == 1:
+        yield from branches[0]
+        return
+    for left, branch in zip(range(len(branches))[::-1], branches, strict=True):
+        guides = chain(["├── " if left else "└── "], repeat("│   " if left else "    "))
+        yield from (Text.assemble((guide, "dim"), below) for guide, below in zip(guides, branch, strict=False))
 
 
 def _line(one: Ancestor) -> Text:
@@ -53,6 +57,4 @@ def _line(one: Ancestor) -> Text:
     told = one.run.manifest
     state = "" if told.state.value == "complete" else f", {told.state.value}"
     results = "".join(f"  {name.name} {number(name.value, name.unit)}" for name in told.results[:RESULTS])
-    return Text.assemble(
-        one.id, "  ", (told.stage, "bold"), f"  {told.experiment}{state}{results}", no_wrap=True, overflow="ignore"
-    )
+    return Text.assemble(one.id, "  ", (told.stage, "bold"), f"  {told.experiment}{state}{results}")

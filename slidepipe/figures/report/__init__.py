@@ -14,6 +14,9 @@ from matplotlib.figure import Figure
 
 from slidepipe.figures import style
 
+REM_PER_INCH = 9.0
+"""Pictures of two columns fill the page; those of one are no larger, so that letters are the same everywhere."""
+
 
 @dataclass(frozen=True, slots=True)
 class Table:
@@ -89,6 +92,7 @@ def render_report(page: ReportPage) -> str:
         loader=FileSystemLoader(Path(__file__).parent), autoescape=True, undefined=StrictUndefined, trim_blocks=True
     )
     environment.filters["svg"] = _svg
+    environment.filters["wide"] = lambda figure: round(REM_PER_INCH * figure.get_figwidth(), 1)
     parts: Mapping[str, Any] = {
         "page": page,
         "style": Markup(_text("page.css")),  # noqa: S704  # our own file

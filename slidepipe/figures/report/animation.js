@@ -45,7 +45,9 @@
 
   function drawPlane() {
     const { pen, width, height } = sharp(plane);
-    const reach = 0.5 * Math.hypot(...scene.block_m), all = scene.object.concat(scene.finger);
+    const reach = 0.5 * Math.hypot(...scene.block_m);
+    const away = (pose, index) => Math.hypot(pose[0] - scene.finger[index][0], pose[1] - scene.finger[index][1]);
+    const all = scene.finger.concat(scene.object.filter((pose, index) => away(pose, index) < 3 * reach));  // not where it flew to
     const low = [0, 1].map((axis) => Math.min(...all.map((pose) => pose[axis])) - reach);
     const high = [0, 1].map((axis) => Math.max(...all.map((pose) => pose[axis])) + reach);
     const scale = 0.96 * Math.min(width / (high[0] - low[0]), height / (high[1] - low[1]));
