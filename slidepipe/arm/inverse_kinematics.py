@@ -71,9 +71,7 @@ class InverseKinematics:
         """Come near the first pose of a path from wherever the search is, with the posture held loosely."""
         self._hand.set_target(_targets(path)[0])
         self._posture.set_target(self._posture_rad)
-        for _ in range(MAX_STEPS):
-            if self._step([self._hand, self._posture], []) < STEP_TOLERANCE_RAD:
-                break
+        _descend(lambda: self._step([self._hand, self._posture], []))
 
     def solve(self, path: HandPath, near: FloatArray | None = None) -> FloatArray:
         """Joint angles (T, 7) along a path, each sought from the one before or from ``near`` (T, 7).
@@ -93,11 +91,7 @@ class InverseKinematics:
 
     def _pose(self, time_s: float) -> FloatArray:
         """Nearest to the posture among the configurations that hold the hand exactly on its target."""
-        with suppress(mink.NoSolutionFound):  # then the pose is out of reach: how far, the error tells
-            for _ in range(MAX_STEPS):
-                self._posture.set_target(self._nearest())
-                if self._step([self._posture], [self._hand]) < STEP_TOLERANCE_RAD:
-                    break
+        _descend(self._step_along_self_motion)
         error = self._hand.compute_error(self._configuration)
         missed_m, missed_rad = np.linalg.norm(error[:3]), np.linalg.norm(error[3:])
         if missed_m > POSITION_TOLERANCE_M or missed_rad > ANGLE_TOLERANCE_RAD:
@@ -109,15 +103,16 @@ class InverseKinematics:
             )
         return np.array(self._configuration.q)
 
-    def _nearest(self) -> FloatArray:
-        """Where the self-motion is nearest to the posture, as Newton's method tells from here.
+    def _step_along_self_motion(self) -> float:
+        """Step onto the target and to where the self-motion is nearest to the posture, as Newton's method tells it.
 
         Asked to go there instead of to the posture, steps that hold the pose converge as fast as the pose itself.
         """
         configuration = self._configuration
         jacobian = configuration.get_frame_jacobian(HAND, "site")
         twist, away = self._hand.compute_error(configuration), configuration.q - self._posture_rad
-        return np.asarray(configuration.q + towards_posture(jacobian, twist, away))
+        self._posture.set_target(configuration.q + towards_posture(jacobian, twist, away))
+        return self._step([self._posture], [self._hand])
 
     def _step(self, tasks: list[mink.Task], constraints: list[mink.Task]) -> float:
         """Step once; by how much the joint moves that moves most.
@@ -131,6 +126,14 @@ class InverseKinematics:
             step = solve(limits=self._limits)
         self._configuration.integrate_inplace(step, 1.0)
         return float(np.max(np.abs(step)))
+
+
+def _descend(step: Callable[[], float]) -> None:
+    """Step until there is nothing to gain, or no step that does: how far the hand misses its pose then tells."""
+    with suppress(mink.NoSolutionFound):
+        for _ in range(MAX_STEPS):
+            if step() < STEP_TOLERANCE_RAD:
+                break
 
 
 def _targets(path: HandPath) -> list[mink.SE3]:

@@ -66,8 +66,9 @@ class Request:
 class Draft:
     """Where a run is put together; leaving the ``with`` block publishes it.
 
-    An :class:`~slidepipe.errors.InputError` leaves nothing behind, nor does a file that cannot be written. Any other
-    error, Ctrl-C included, publishes what there is, with its state and the error, and goes on.
+    An :class:`~slidepipe.errors.InputError` leaves nothing behind. Where a file cannot be written, what was made is
+    kept for ``recover``: it may be a trial that nobody can make again. Any other error, Ctrl-C included, publishes
+    what there is, with its state and the error, and goes on.
 
     Attributes
     ----------
@@ -152,10 +153,9 @@ class Draft:
         if isinstance(error, InputError):
             self.discard()
             return
-        if isinstance(error, OSError) and error.errno in UNWRITABLE:
-            self.discard()
-            raise self._unwritten(error) from None
         try:
+            if isinstance(error, OSError) and error.errno in UNWRITABLE:
+                raise error
             self._end(error)
         except OSError as fault:
             raise self._put_off(fault) from None
@@ -180,7 +180,8 @@ class Draft:
 
     def _put_off(self, error: OSError) -> StoreError:
         """Where a run cannot be published, keep what was made for ``recover``; where nothing was made, keep nothing."""
-        if not any((self.staging / name).is_file() for name in self._roles):
+        made = [self.staging / name for name in self._roles]
+        if not any(path.is_file() and path.stat().st_size for path in made):
             self.discard()
             return self._unwritten(error)
         for name in (MANIFEST, SEAL):

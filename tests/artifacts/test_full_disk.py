@@ -17,10 +17,10 @@ def full(place: str | None = None) -> OSError:
     return OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), place)
 
 
-def make(store: Store, then: Callable[[], None]) -> Draft:
+def make(store: Store, then: Callable[[], None], text: str = "a: 1\n") -> Draft:
     draft = store.draft(stage="plan", stage_version=1, experiment="a", parameters={})
     with draft:
-        draft.add("plan", "plan.yaml").write_text("a: 1\n")
+        draft.add("plan", "plan.yaml").write_text(text)
         then()
     return draft
 
@@ -40,6 +40,17 @@ def test_a_run_that_cannot_be_published_is_kept_for_later(tmp_path: Path, monkey
     assert {path.name for path in staging.iterdir()} - {"diff.patch"} == {".owner.yaml", "plan.yaml"}
 
 
+def test_what_was_made_before_the_disk_was_full_is_kept(tmp_path: Path) -> None:
+    def fill() -> None:
+        raise full()
+
+    store = Store(tmp_path / "data")
+    with pytest.raises(StoreError, match=r"No space left on device; what was made is kept: slidepipe recover"):
+        make(store, fill)
+    (staging,) = store.root.glob("runs/*/*")
+    assert (staging / "plan.yaml").read_text() == "a: 1\n"
+
+
 @pytest.mark.parametrize(("place", "named"), [("/elsewhere/b", "/elsewhere/b"), (None, "data")])
 def test_a_file_that_cannot_be_written_leaves_nothing(tmp_path: Path, place: str | None, named: str) -> None:
     def fill() -> None:
@@ -47,7 +58,7 @@ def test_a_file_that_cannot_be_written_leaves_nothing(tmp_path: Path, place: str
 
     store = Store(tmp_path / "data")
     with pytest.raises(StoreError, match=rf"{named}: No space left on device$"):
-        make(store, fill)
+        make(store, fill, text="")
     assert not store.root.exists()
 
 
