@@ -70,15 +70,18 @@ def test_a_file_whose_name_is_nearly_right(call: Callable, tmp_path: Path) -> No
 
 @pytest.mark.parametrize("limit_bytes", [1000, 8000, 40_000])
 def test_a_store_that_cannot_be_written(tmp_path: Path, limit_bytes: int) -> None:
-    """No file may grow beyond a limit, which ends writes as a full disk does."""
+    """No file may grow beyond a limit, which ends writes as a full disk does: no run, at most what recover finds."""
 
     def narrow() -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit_bytes, limit_bytes))
 
     command = [sys.executable, "-m", "slidepipe", "plan", str(ROOT / "experiments" / "paper_rotational.yaml")]
     done = subprocess.run(command, cwd=tmp_path, preexec_fn=narrow, capture_output=True, text=True, check=False)  # noqa: S603
-    assert (done.returncode, done.stdout, done.stderr) == (5, "", "error: data: File too large\n")
-    assert not list(tmp_path.iterdir())
+    left = list(tmp_path.glob("data/runs/*/*"))
+    kept = "; what was made is kept: slidepipe recover publishes it" if left else ""
+    assert (done.returncode, done.stdout, done.stderr) == (5, "", f"error: data: File too large{kept}\n")
+    assert all(path.name.startswith(".tmp-") for path in left)
+    assert bool(left) == (limit_bytes > 1000)
 
 
 def test_truncated_recording(call: Callable, tmp_path: Path) -> None:
