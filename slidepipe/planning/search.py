@@ -156,7 +156,7 @@ class Search:
         """Search in earnest at once, for the first search of a task much like this one was rough enough for both."""
         start = self._loosened(near)
         if lone(self.setup.fingers):
-            found = self._polished(self._evolve(start, REFINING_EPOCHS, SEED, simulated=True), simulated=True)
+            found = self._in_earnest(start, REFINING_EPOCHS, SEED)
             if found.feasible:
                 return found
         return self._twice(start, SEED)
@@ -168,8 +168,16 @@ class Search:
         again = self._loosened(rough.population)
         # The formula is that of a straight slide: what is best for one that turns may be elsewhere.
         again[-ELSEWHERE:] = self._anywhere(seed)[-ELSEWHERE:]
-        final = self._evolve(again, FINAL_EPOCHS, seed, simulated=True)
-        return self._polished(final, simulated=True)
+        return self._in_earnest(again, FINAL_EPOCHS, seed)
+
+    def _in_earnest(self, start: FloatArray, epochs: int, seed: int) -> Found:
+        """Search by simulated trials; once more where the polish still gains, for then the islands agreed too soon."""
+        evolved = self._evolve(start, epochs, seed, simulated=True)
+        found = self._polished(evolved, simulated=True)
+        if not found.feasible or evolved.cost - found.figures[kernel.COST] < CLOSE:
+            return found
+        again = self._evolve(self._loosened(found.population), epochs, seed, simulated=True)
+        return self._polished(again, simulated=True)
 
     def rough(self) -> Found:
         """Search by the formula of a straight slide alone."""
