@@ -76,17 +76,22 @@ class InverseKinematics:
     def solve(self, path: HandPath, near: FloatArray | None = None) -> FloatArray:
         """Joint angles (T, 7) along a path, each sought from the one before or from ``near`` (T, 7).
 
+        What ``near`` misses at one pose is added to it at the next.
+
         Raises
         ------
         InfeasibleError
             A pose is out of reach within the limits.
         """
         angles = np.empty((len(path.time_s), len(self._configuration.q)))
+        missed = np.zeros(angles.shape[1])
         for index, target in enumerate(_targets(path)):
             if near is not None:
-                self._configuration.update(near[index])
+                self._configuration.update(np.clip(near[index] + missed, *self._range_rad))
             self._hand.set_target(target)
             angles[index] = self._pose(path.time_s[index])
+            if near is not None:
+                missed = angles[index] - near[index]
         return angles
 
     def _pose(self, time_s: float) -> FloatArray:

@@ -54,9 +54,6 @@ LINKS: tuple[Link, ...] = (
     Link(0.0, 0.0, 0.0609, (-3.0, 3.0), 0.07548, (0.14836e-3, 0.07252e-3, -3.35185e-3),
          (0.00003911, 0.00003877, 0.00007614, 0.00000019, 0.0, 0.0)),
 )  # fmt: skip
-
-RANGE_RAD = np.array([link.range_rad for link in LINKS]).T
-"""(2, 7) lower and upper end of each joint's range."""
 MIDDLE_RAD = np.array([sum(link.range_rad) / 2.0 for link in LINKS])
 """Middle of each joint's range."""
 

@@ -75,7 +75,7 @@ class ArmAsked:
         """Joint angles (T, 7) for hand poses, near those that are expected, else each from the one before."""
         try:
             near = InverseKinematics(self._model, self._posture_rad)
-            return near.solve(path, np.clip(expected, *wam.RANGE_RAD))
+            return near.solve(path, expected)
         except InfeasibleError as refusal:
             refusals = [refusal]
         for posture in postures(self._posture_rad):
