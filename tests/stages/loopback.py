@@ -19,6 +19,13 @@ PATIENCE_S = 60.0
 SLIDEPIPE = [sys.executable, "-m", "slidepipe"]
 COARSE = ("--set", "lab.contact.timestep_s=1e-4", "--set", "lab.contact.solref_s=4e-4")
 """A world that is played at half the cost."""
+PATIENT = {
+    "driver_timeout_s__0.02": "driver_timeout_s: 0.5",
+    "arm_s__0.02": "arm_s: 0.5",
+    "cameras_s__0.1": "cameras_s: 1.0",
+    "object_s__0.15": "object_s: 1.0",
+}
+"""For :func:`lab_file`: a lab that forgives a machine which does other things, where it is not about keeping time."""
 LATE_S = 0.006
 """Commands are followed three ticks after they came: what is later than these is seen by the block."""
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from loopback import PATIENCE_S, SLIDEPIPE, kept_time, lab_file, serving, until
+from loopback import PATIENCE_S, PATIENT, SLIDEPIPE, kept_time, lab_file, serving, until
 
 from slidepipe.artifacts.manifest import RunState
 from slidepipe.artifacts.recording import read_recording
@@ -94,7 +94,7 @@ def landed_alike(scene: Scene, done: execute.ExecuteResult, wanted: Pose) -> Non
 
 
 def test_ctrl_c_stops_along_the_path_and_keeps_the_trial(scene: Scene, tmp_path: Path) -> None:
-    lab = lab_file(tmp_path)
+    lab = lab_file(tmp_path, **PATIENT)
     command = [*SLIDEPIPE, "--data", str(scene.store.root), "execute", scene.plan.run.id, "--lab", str(lab), "--yes"]
     with serving(scene.experiment, lab):
         process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)  # noqa: S603  # ourselves
