@@ -21,6 +21,8 @@ APPROACH_POSTURE_COST = 1e-3
 """Weight of the posture beside the hand's pose on the way to the start of a path; along it the pose is exact."""
 STEP_TOLERANCE_RAD = 3e-6
 """Steps after which none is made: the next would be about as long as the square of the last."""
+EXACT_RAD = 1e-8
+"""Steps that are not made, told by Newton's method before."""
 MAX_STEPS = 50
 POSITION_TOLERANCE_M = 1e-7
 ANGLE_TOLERANCE_RAD = 1e-6
@@ -116,7 +118,10 @@ class InverseKinematics:
         configuration = self._configuration
         jacobian = configuration.get_frame_jacobian(HAND, "site")
         twist, away = self._hand.compute_error(configuration), configuration.q - self._posture_rad
-        self._posture.set_target(configuration.q + towards_posture(jacobian, twist, away))
+        onto_target, along = towards_posture(jacobian, twist, away)
+        if np.max(np.abs(onto_target + along)) < EXACT_RAD:
+            return 0.0
+        self._posture.set_target(configuration.q + along)
         return self._step([self._posture], [self._hand])
 
     def _step(self, tasks: list[mink.Task], constraints: list[mink.Task]) -> float:

@@ -9,7 +9,7 @@ LEAST_SLOPE = 0.25
 
 @njit(cache=True)
 def towards_posture(jacobian, twist, away):
-    """Newton's step (7,), rad, along the free direction to where the way to the posture is square to it.
+    """Newton's step, rad: onto the target (7,), and along the free direction (7,) to where it is square to the posture.
 
     ``jacobian`` (6, 7) is the hand's, velocities first, and ``twist`` (6,) leads from the hand to its target, both in
     one frame; ``away`` (7,) are the joint angles less those of the posture. The free direction n turns with the joints:
@@ -23,7 +23,7 @@ def towards_posture(jacobian, twist, away):
     turned = np.empty(7)
     turning(jacobian, free, multiplier, turned)
     slope = max(1.0 - turned @ free, LEAST_SLOPE)
-    return free * ((turned @ onto_target - free @ away) / slope)
+    return onto_target, free * ((turned @ onto_target - free @ away) / slope)
 
 
 @njit(cache=True)

@@ -159,10 +159,10 @@ class CourseMotion:
 
     def hand_motion(self) -> HandMotion:
         """The hand's motion as polynomials, to simulate an object under it."""
-        return HandMotion.from_function(self._hand, self.course.boundaries)
+        return HandMotion.from_function(self.hand_poses, self.course.boundaries)
 
-    def _hand(self, time_s: FloatArray) -> FloatArray:
-        """Poses (T, 3) of the hand in {w}."""
+    def hand_poses(self, time_s: FloatArray) -> FloatArray:
+        """Poses (T, 3) of the hand in {w} at times (T,)."""
         time_s = _on_boundaries(time_s, self.course.boundaries)
         return finger_pose(self._object(time_s)[0], self._relative(time_s)[0])
 

@@ -197,7 +197,7 @@ def grasp_motion(regrasp: Regrasp, setup: Setup) -> Motion:
 
 
 def _hand_path(motion: CourseMotion, setup: Setup, time_s: FloatArray) -> HandPath:
-    position_m, matrix = setup.plane.lift(motion.sample(time_s).q_f)
+    position_m, matrix = setup.plane.lift(motion.hand_poses(time_s))
     return HandPath(time_s, position_m, matrix)
 
 
