@@ -43,8 +43,9 @@ docs: $(DOCS)  ## make the documentation with its reference as pages for a brows
 figures: $(STAMP)  ## draw the paper's figures into figures/, and its numbers beside ours into docs/paper.md
 	$(BIN)/slidepipe figures --table docs/paper.md
 
-test: $(DEV)  ## install, then run the tests
-	$(BIN)/python -m pytest
+test: $(DEV)  ## install, then run the tests: on two cores, then alone those that keep time with a laboratory
+	$(BIN)/python -m pytest -m 'not realtime' -n 2 --dist loadfile
+	$(BIN)/python -m pytest -m realtime tests
 
 check: $(DEV)  ## lint, types and layers
 	$(BIN)/ruff check .

@@ -23,9 +23,11 @@ def put(parts: Iterable["RenderableType"]) -> None:
     from rich.text import Text  # noqa: PLC0415  # help must not wait for rich
 
     console = _console(sys.stdout)
+    usual = console.width
     with console.capture() as printed:
         for part in parts:
-            console.print(part, width=_width(console, part), soft_wrap=isinstance(part, str | Text), crop=False)
+            console.width = max(usual, _needed(console, part))
+            console.print(part, soft_wrap=isinstance(part, str | Text), crop=False)
     for line in printed.get().splitlines():
         sys.stdout.write(line.rstrip() + "\n")
 
@@ -70,14 +72,14 @@ def forgive_encoding() -> None:
             reconfigure(errors=errors)
 
 
-def _width(console: "Console", part: "RenderableType") -> int | None:
-    """Width of a table whose cells cannot be wrapped: as wide as it is, so that no number is ever cut."""
+def _needed(console: "Console", part: "RenderableType") -> int:
+    """Columns that a table must have so that no number and no word is cut, though other cells may be wrapped."""
     from rich.table import Table  # noqa: PLC0415
 
-    if not isinstance(part, Table) or not all(column.no_wrap for column in part.columns):
-        return None
-    unlimited = console.options.update(width=10 * WIDTH)
-    return max(console.width, console.measure(part, options=unlimited).maximum)
+    if not isinstance(part, Table):
+        return 0
+    needed = console.measure(part, options=console.options.update(width=10 * WIDTH))
+    return needed.maximum if all(column.no_wrap for column in part.columns) else needed.minimum
 
 
 def _console(stream: TextIO) -> "Console":

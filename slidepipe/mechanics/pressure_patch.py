@@ -117,7 +117,7 @@ class PressurePatch:
 
         Examples
         --------
-        >>> float(PressurePatch(mu=0.5, f_N=2.0, a=0.02, k=2.0).load(np.array([0.3, 0.4, 0.0])))
+        >>> round(float(PressurePatch(mu=0.5, f_N=2.0, a=0.02, k=2.0).load(np.array([0.3, 0.4, 0.0]))), 9)
         0.5
         """
         f = triples("pressure patch", "f", f)

@@ -18,6 +18,8 @@ from slidepipe.lab.realtime import realtime
 from slidepipe.lab.transport import Address, MemoryTransport, UdpTransport
 from slidepipe.lab.wam_codec import CODECS, ArmReport, Order, Stamp
 
+pytestmark = pytest.mark.realtime
+
 LOOPBACK = "127.0.0.1"
 
 

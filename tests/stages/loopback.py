@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -47,11 +48,11 @@ def lab_file(directory: Path, **changes: str) -> Path:
     local, remote, command, data = free_ports(4)
     ports = {"port: 5555": f"port: {local}", "port: 5556": f"port: {remote}", "command_port: 1510":
              f"command_port: {command}", "data_port: 1511": f"data_port: {data}"}  # fmt: skip
-    for old, new in (ports | {key.replace("__", ": "): value for key, value in changes.items()}).items():
-        assert old in text
-        text = text.replace(old, new)
+    new = ports | {key.replace("__", ": "): value for key, value in changes.items()}
+    # All at once: a free port may be 55561.
+    assert all(old in text for old in new)
     path = directory / "lab.yaml"
-    path.write_text(text)
+    path.write_text(re.sub("|".join(map(re.escape, new)), lambda old: new[old[0]], text))
     return path
 
 

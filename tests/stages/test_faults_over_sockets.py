@@ -25,6 +25,8 @@ from slidepipe.lab.safety import StopCause
 from slidepipe.stages import plan
 from slidepipe.stages.plan_files import REFERENCE, REFERENCE_JOINTS
 
+pytestmark = pytest.mark.realtime
+
 WORKERS = 2
 ATTEMPTS = 3
 APART_M, FAR_APART_M = 0.002, 0.015

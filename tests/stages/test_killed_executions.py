@@ -28,6 +28,8 @@ from slidepipe.cli.main import cli
 from slidepipe.lab.loop import MOTION_STARTS
 from slidepipe.stages import plan
 
+pytestmark = pytest.mark.realtime
+
 KILLS = int(os.environ.get("SLIDEPIPE_KILLS", "2"))
 LASTS_S = 4.0
 """About how long the arm is streamed to."""

@@ -30,6 +30,8 @@ from slidepipe.lab.loop import MOTION_ENDS, MOTION_STARTS
 from slidepipe.stages import estimate, execute, lab_check, plan
 from slidepipe.stages.on_lab import RealLab
 
+pytestmark = pytest.mark.realtime
+
 ATTEMPTS = 3
 STREAMING_BYTES = 100_000
 """A recording is so large after some tenths of a second of streaming."""

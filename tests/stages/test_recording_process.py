@@ -28,6 +28,8 @@ from slidepipe.series import StreamStatistics
 from slidepipe.stages import recover
 from slidepipe.stages.recording_process import RecordingProcess, RecordingSetup
 
+pytestmark = pytest.mark.realtime
+
 KILLS = int(os.environ.get("SLIDEPIPE_KILLS", "5"))
 LOST_NS = 300_000_000
 """A killed recorder may lose this much of the end, and no more."""

@@ -23,6 +23,8 @@ from slidepipe.lab.natnet.settings import NatNetSettings, TrackedBody, Transport
 from slidepipe.lab.natnet.version import NatNetVersion
 from slidepipe.lab.protocols import MocapFrame, MotionCapture
 
+pytestmark = pytest.mark.realtime
+
 UNIT = (0.0, 0.0, 0.0, 1.0)
 AS_IT_IS = CameraFrame(UpAxis.Z)
 SLACK_NS = 20_000_000
