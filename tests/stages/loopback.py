@@ -49,9 +49,9 @@ def lab_file(directory: Path, **changes: str) -> Path:
     ports = {"port: 5555": f"port: {local}", "port: 5556": f"port: {remote}", "command_port: 1510":
              f"command_port: {command}", "data_port: 1511": f"data_port: {data}"}  # fmt: skip
     new = ports | {key.replace("__", ": "): value for key, value in changes.items()}
-    # All at once: a free port may be 55561.
     assert all(old in text for old in new)
     path = directory / "lab.yaml"
+    # All at once: a free port may be 55561.
     path.write_text(re.sub("|".join(map(re.escape, new)), lambda old: new[old[0]], text))
     return path
 
