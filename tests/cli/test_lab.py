@@ -16,8 +16,6 @@ from slidepipe.cli.main import cli
 from slidepipe.errors import InputError, LabError
 from slidepipe.lab.faults import Fault, FaultKind
 
-pytestmark = pytest.mark.realtime
-
 EXPERIMENTS = Path(__file__).resolve().parents[2] / "experiments"
 STREAM = StreamReport(
     ticks=2000,
